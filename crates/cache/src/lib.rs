@@ -1,0 +1,1 @@
+//! Runs of Rockfall on disk: trajectories, frames, summaries.

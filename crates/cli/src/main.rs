@@ -1,0 +1,2 @@
+//! The rockfall program.
+fn main() {}

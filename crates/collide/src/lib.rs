@@ -1,0 +1,8 @@
+//! Pure functions over pairs of shapes: contact manifolds, signed distance, casts.
+//!
+//! Every function sees shape B from the frame of shape A; nothing here knows bodies or the world. Normals are unit
+//! vectors from A to B. A signed distance is negative where the shapes overlap.
+
+mod manifold;
+
+pub use manifold::{Cache, ContactPoint, Manifold};

@@ -1,0 +1,45 @@
+//! What a pair of shapes has to say about its contact.
+
+use rockfall_math::Vec3;
+
+/// Up to four points that share a normal, in the frame of shape A.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Manifold {
+    /// Unit vector from A to B.
+    pub normal: Vec3,
+    /// The first `count` are set.
+    pub points: [ContactPoint; 4],
+    /// 1 to 4.
+    pub count: u32,
+}
+
+/// One point of a [`Manifold`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactPoint {
+    /// Half-way between the two surfaces, metres.
+    pub position: Vec3,
+    /// Signed distance of the two surfaces along the normal, metres; negative where they overlap.
+    pub distance: f32,
+    /// Names the features (corner, edge, face) that made the point; stays the same under small motions.
+    pub feature: u32,
+}
+
+/// What a pair function remembers from one step to the next: a guess that makes it faster, never another result
+/// than a fresh cache would give.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cache {
+    /// Opaque to everyone but the pair function that wrote it.
+    pub word: u32,
+}
+
+impl Manifold {
+    /// The points that are set.
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..self.count as usize]
+    }
+
+    /// The smallest signed distance of the points.
+    pub fn deepest(&self) -> f32 {
+        self.points().iter().fold(f32::INFINITY, |d, p| d.min(p.distance))
+    }
+}

@@ -1,0 +1,49 @@
+//! Immutable geometry: what a body is made of, cooked once and shared by any number of bodies.
+//!
+//! Lengths are metres, the frame of a shape is the user's own, z is up where a shape has a natural axis.
+
+mod height_field;
+mod hull;
+mod mesh;
+
+pub use height_field::HeightField;
+pub use hull::{Hull, HullEdge};
+pub use mesh::{EdgeKind, Mesh};
+
+use rockfall_math::Vec3;
+use std::sync::Arc;
+
+/// A shape in its own frame. Cloning is cheap: large geometry is shared.
+#[derive(Clone, Debug)]
+pub enum Shape {
+    /// A ball around the origin.
+    Sphere {
+        /// Metres, positive.
+        radius: f32,
+    },
+    /// A box around the origin, edges along the axes.
+    Box {
+        /// Half of the edge lengths, metres, positive.
+        half: Vec3,
+    },
+    /// A cylinder with hemispheres at its ends, around the z axis.
+    Capsule {
+        /// Half of the distance between the centres of the hemispheres, metres, not negative.
+        half_length: f32,
+        /// Metres, positive.
+        radius: f32,
+    },
+    /// A convex polyhedron.
+    Hull(Arc<Hull>),
+    /// All points p with `normal · p ≤ offset`. Immovable bodies only.
+    HalfSpace {
+        /// Unit length, points out of the solid.
+        normal: Vec3,
+        /// Signed distance of the surface from the origin along `normal`, metres.
+        offset: f32,
+    },
+    /// A triangle surface, open or closed, seen from the side of its normals. Immovable bodies only.
+    Mesh(Arc<Mesh>),
+    /// A surface z = h(x, y) over a regular grid. Immovable bodies only.
+    HeightField(Arc<HeightField>),
+}

@@ -1,0 +1,1 @@
+//! Contact solvers of Rockfall: colours, batches, kernels; knows no shapes.

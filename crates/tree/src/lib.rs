@@ -1,0 +1,5 @@
+//! Broad phase: which boxes overlap which.
+
+/// A bounding-volume hierarchy over boxes.
+#[derive(Clone, Debug, Default)]
+pub struct Tree {}

@@ -1,0 +1,69 @@
+//! What holds for the whole world.
+
+use rockfall_math::Vec3;
+
+/// How contacts are answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// Sub-stepped soft contacts with warm starting: the default, and the one that carries large piles.
+    #[default]
+    SoftStep,
+    /// The report's response B: one impulse per contact point from K, restitution and friction.
+    Impulse,
+    /// The report's response A: the velocity is mirrored at the normal, without friction.
+    Reflect,
+}
+
+/// Settings of a [`World`](crate::World).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// m/s², in the world's frame. z is up.
+    pub gravity: Vec3,
+    /// Steps per second; a step is one frame.
+    pub rate: f32,
+    /// Sub-steps in a step, at least 1.
+    pub substeps: u32,
+    /// How contacts are answered.
+    pub solver: Solver,
+    /// Natural frequency of the soft position correction, Hz; never used above a quarter of the sub-step rate.
+    pub contact_hertz: f32,
+    /// Damping ratio of the soft position correction: 1 is critical, larger is slower and calmer.
+    pub contact_damping: f32,
+    /// The fastest that an overlap is pushed apart, m/s.
+    pub push_speed: f32,
+    /// Restitution acts on contacts that close faster than this, m/s.
+    pub restitution_threshold: f32,
+    /// Bodies at rest fall asleep.
+    pub sleeping: bool,
+    /// A body is at rest when no point of it moves faster than this, m/s.
+    pub sleep_speed: f32,
+    /// An island sleeps when all of it has been at rest for so long, s.
+    pub sleep_time: f32,
+    /// Bodies that move through more than half of their size in a step are stopped at what they would pass through.
+    pub continuous: bool,
+    /// Threads, 0 for as many as the machine has. Never changes a result.
+    pub threads: usize,
+    /// SIMD lanes, 0 for as many as the machine has; 1, 4, 8 or 16. Never changes a result.
+    pub lanes: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            gravity: Vec3::new(0.0, 0.0, -9.81),
+            rate: 60.0,
+            substeps: 4,
+            solver: Solver::SoftStep,
+            contact_hertz: 30.0,
+            contact_damping: 10.0,
+            push_speed: 3.0,
+            restitution_threshold: 1.0,
+            sleeping: true,
+            sleep_speed: 0.05,
+            sleep_time: 0.5,
+            continuous: true,
+            threads: 0,
+            lanes: 0,
+        }
+    }
+}
