@@ -5,8 +5,10 @@
 //! no order of operations that depends on the width of a register.
 
 pub mod aabb;
+pub mod disjoint;
 pub mod hash;
 pub mod isometry;
+pub mod lanes;
 pub mod pose;
 pub mod rotation;
 pub mod trig;
