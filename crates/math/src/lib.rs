@@ -14,6 +14,6 @@ pub mod rotation;
 pub mod trig;
 
 pub use aabb::Aabb;
-pub use glam::{DVec3, Mat3, Quat, Vec2, Vec3};
+pub use glam::{DQuat, DVec3, Mat3, Quat, Vec2, Vec3};
 pub use isometry::Isometry;
 pub use pose::Pose;
