@@ -1,7 +1,7 @@
 //! Sorts the items along the curve and lays out the levels.
 
 use crate::morton::Grid;
-use crate::{Block, MAX_LEVELS, Tree, WIDTH};
+use crate::{Block, MAX_LEVELS, Tree, WIDTH, hilbert};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
 
@@ -19,7 +19,11 @@ impl Tree {
             .enumerate()
             .with_min_len(GRAIN)
             .map(|(item, area)| {
-                let code = if area.min.cmple(area.max).all() { grid.morton(area.center()) } else { u64::MAX };
+                let code = if area.min.cmple(area.max).all() {
+                    hilbert(grid.morton(area.center()))
+                } else {
+                    u64::MAX
+                };
                 u128::from(code) << 32 | item as u128
             })
             .collect();

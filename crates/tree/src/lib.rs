@@ -1,6 +1,6 @@
 //! Broad phase: which boxes overlap which.
 //!
-//! A [`Tree`] sorts the boxes along a space-filling curve and groups eight neighbours on that curve into a block, eight
+//! A [`Tree`] sorts the boxes along the Hilbert curve and groups eight neighbours on that curve into a block, eight
 //! blocks into a block of the next level, and so on up to one root. Nothing in it is a pointer: the children of
 //! lane `i` of block `b` are block `8 b + i` of the level below. That makes the build one sort and one linear pass,
 //! a refit the linear pass alone, and a query eight box tests at a time on plain arrays.
@@ -13,10 +13,12 @@
 mod block;
 mod build;
 mod cast;
+pub mod hilbert;
 pub mod morton;
 mod query;
 mod refit;
 
+pub use hilbert::hilbert;
 pub use morton::morton;
 
 use block::{Block, WIDTH};
