@@ -62,7 +62,7 @@ const fn step(state: usize, octant: u32) -> u8 {
     let entry = if rank == 0 { 0 } else { even ^ even >> 1 };
     let exit = if rank == 0 {
         0
-    } else if rank % 2 == 0 {
+    } else if rank & 1 == 0 {
         (rank - 1).trailing_ones() % 3
     } else {
         rank.trailing_ones() % 3
