@@ -40,7 +40,8 @@ pub(crate) fn collide(
         Proximity::Overlap => {
             let axis = sat::least_overlap(a, b, b_in_a, true);
             cache.word = direction::pack(axis.normal);
-            out.push(overlap(a, b, b_in_a, margin, &axis));
+            let slack = SLACK * a.inner_radius.min(b.inner_radius);
+            out.push(overlap(a, b, b_in_a, margin, slack, &axis));
         }
     }
 }
@@ -51,7 +52,7 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
         return closest;
     }
     let axis = sat::least_overlap(a, b, b_in_a, false);
-    let manifold = overlap(a, b, b_in_a, f32::INFINITY, &axis);
+    let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis);
     let at = manifold.points().iter().fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
     let half = 0.5 * axis.separation * axis.normal;
     Closest {
@@ -84,7 +85,8 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
     // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
     let kind = if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
     let axis = Axis { normal, separation: closest.distance, kind };
-    let mut points = over_face(a, b, b_in_a, margin, &axis);
+    let slack = SLACK * a.inner_radius.min(b.inner_radius);
+    let mut points = over_face(a, b, b_in_a, margin, slack, &axis);
     let deepest = points.iter().fold(f32::INFINITY, |d, p| d.min(p.distance));
     if deepest > closest.distance + rounding(a, b, b_in_a) {
         points.push(closest.point());
@@ -93,10 +95,10 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
 }
 
 /// The manifold of polyhedra that overlap, along the axis of least overlap.
-fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: &Axis) -> Manifold {
+fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Manifold {
     let mut points = match axis.kind {
         Kind::Edges(i, j) => SmallVec::from_slice(&[crossing(a, b, b_in_a, axis, i, j)]),
-        Kind::FaceOfA(_) | Kind::FaceOfB(_) => over_face(a, b, b_in_a, margin, axis),
+        Kind::FaceOfA(_) | Kind::FaceOfB(_) => over_face(a, b, b_in_a, margin, slack, axis),
     };
     if points.is_empty() {
         // Rounding took the whole face: its deepest corner remains.
@@ -114,7 +116,7 @@ fn rounding(a: &Poly, b: &Poly, b_in_a: &Isometry) -> f32 {
 type Points = SmallVec<[ContactPoint; 24]>;
 
 /// The points of the incident face that lie over the reference face of `axis`, no further than `margin`.
-fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: &Axis) -> Points {
+fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Points {
     let loop_of = |poly: &Poly, f: usize, place: &dyn Fn(Vec3) -> Vec3| -> SmallVec<[Vec3; 24]> {
         poly.face(f).iter().map(|&v| place(poly.vertices[v as usize])).collect()
     };
@@ -133,7 +135,6 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: &Axis) ->
             (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
         }
     };
-    let slack = SLACK * a.inner_radius.min(b.inner_radius);
     let polygon = clip::clip(clip::incident(incident.iter().copied()), &reference, outward, slack);
 
     // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.

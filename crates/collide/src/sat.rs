@@ -167,7 +167,7 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
             let crosses: [bool; LANES] = std::array::from_fn(|k| {
                 (left_of_b[k] * right_of_b[k] < 0.0)
                     & (left_of_a[k] * right_of_a[k] < 0.0)
-                    & (left_of_b[k] * right_of_a[k] > 0.0)
+                    & (left_of_b[k] * right_of_a[k] < 0.0)
             });
             if !crosses.contains(&true) {
                 continue;
