@@ -64,12 +64,21 @@ pub(crate) fn collide(
 
     let apart = of_a.max(of_b).max(of_edge);
     if apart <= 0.0 {
-        if of_edge > of_face + preference(smaller, of_face) {
-            cache.word = edge as u32 + 1;
-            out.push(boxes.crossing(edge, of_edge).manifold());
-        } else {
-            out.push(boxes.over_face(face, SLACK * smaller, margin, of_face));
+        if of_edge <= of_face + preference(smaller, of_face) {
+            let manifold = boxes.over_face(face, SLACK * smaller, margin, of_face);
+            // The preferred face must have points to show for it.
+            if manifold.deepest() <= of_face + preference(smaller, of_face) || apart == of_face {
+                out.push(manifold);
+                return;
+            }
         }
+        out.push(if apart == of_edge {
+            cache.word = edge as u32 + 1;
+            boxes.crossing(edge, of_edge).manifold()
+        } else {
+            let face = if apart == of_a { face_a } else { face_b };
+            boxes.over_face(face, SLACK * smaller, margin, apart)
+        });
         return;
     }
     // A distance of up to half a micrometre per metre of size counts as the same.
