@@ -89,6 +89,8 @@ fn main() {
     measure("capsule-box", &set(&cube, &capsule, 1.0, &|r: &mut Random| 1.1 * r.vector()), 0.02);
     measure("hull16-hull16 apart", &set(&small, &small, 3.0, &apart), 0.02);
     measure("hull16-hull16 contact", &set(&small, &small, 3.0, &pile), 0.02);
+    let resting = |r: &mut Random| 1.27 * r.vector().normalize();
+    measure("hull16-hull16 shallow", &set(&small, &small, 3.0, &resting), 0.02);
     measure("hull32-hull32 contact", &set(&large, &large, 3.0, &pile), 0.02);
     measure("hull16-box contact", &set(&small, &cube, 3.0, &pile), 0.02);
 }

@@ -140,7 +140,9 @@ fn check_manifold(
     // While the shapes overlap the manifold may prefer a face: 1 % of the depth and 0.2 % of the size.
     let allowed = if truth > 0.0 { exact } else { exact + 0.01 * truth.abs() + 2e-3 * f64::from(scale) };
     assert!((deepest - truth).abs() < allowed, "deepest {deepest}: {m:?}\n{}", what());
-    assert!(judge.gap(m.normal.as_dvec3()) > truth - allowed - exact, "{m:?}\n{}", what());
+    // Boxes that are apart may prefer a face as well, though with the exact distance.
+    let leaning = allowed.max(2e-3 * f64::from(scale));
+    assert!(judge.gap(m.normal.as_dvec3()) > truth - leaning, "{m:?}\n{}", what());
     // Half-way between the surfaces, over a face with its sides moved out a little.
     let slack = 3e-3 * f64::from(scale);
     for (k, p) in m.points().iter().enumerate() {
