@@ -29,8 +29,9 @@ impl Capsule {
 /// Cores whose distance is below this share of their size touch: their difference has no direction.
 const TOUCH: f32 = 1e-6;
 
-/// Cores that are parallel to this sine (3 degrees) touch along a line, with a point at each end of it.
-const PARALLEL: f32 = 0.05;
+/// Cores that stay side by side to this share of the smaller radius, over the stretch that they have in common,
+/// touch along a line, with a point at each end of it.
+const ASIDE: f32 = 0.1;
 
 /// Two spheres.
 pub(crate) fn spheres(a: f32, b: f32, b_in_a: &Isometry) -> Closest {
@@ -74,15 +75,16 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
     }
     let mut manifold = nearest.manifold();
     let across = b_in_a.rotation.z_axis;
-    let sine = Vec3::Z.cross(across).length();
-    // Where the normal leans along the cores they meet end to end.
-    if sine > PARALLEL || nearest.normal.z.abs() > 0.5 {
+    // Clearly not parallel, or the normal leans along the cores, which then meet end to end.
+    if across.z.abs() < 0.99 || nearest.normal.z.abs() > 0.05 {
         return Some(manifold);
     }
     // The stretch of A's axis that both cores cover; B's point at height z of A is on B's line.
     let [p, q] = b.placed_core(b_in_a);
     let (low, high) = (p.z.min(q.z).max(-a.half_length), p.z.max(q.z).min(a.half_length));
-    if high - low <= 0.1 * a.radius.min(b.radius) {
+    let radius = a.radius.min(b.radius);
+    let aside = (high - low) * across.cross(nearest.normal).cross(nearest.normal).cross(Vec3::Z).length();
+    if high - low <= 0.1 * radius || aside > ASIDE * radius {
         return Some(manifold);
     }
     manifold.count = 0;
@@ -94,7 +96,7 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
         if distance <= margin {
             let upper = z == high;
             manifold.points[manifold.count as usize] = ContactPoint {
-                position: on_a + (a.radius + 0.5 * distance) * nearest.normal,
+                position: 0.5 * (on_a + on_b + (a.radius - b.radius) * nearest.normal),
                 distance,
                 feature: feature::pair(4 + 2 * usize::from(upper) + usize::from(own_end), 1),
             };
