@@ -4,5 +4,9 @@
 //! vectors from A to B. A signed distance is negative where the shapes overlap.
 
 mod manifold;
+mod poly;
+mod reduce;
+mod surface;
 
 pub use manifold::{Cache, ContactPoint, Manifold};
+pub use surface::{convex_height_field, convex_mesh};
