@@ -49,19 +49,19 @@ pub fn convex_height_field(
 /// Triangles with neighbours, in their own frame. A triangle is named by an index.
 trait Surface {
     /// Calls `f` with each triangle that may touch `area`, in any order.
-    fn near(&self, area: &Aabb, f: impl FnMut(u32));
+    fn near(&self, area: &Aabb, f: impl FnMut(u64));
     /// Corners, counter-clockwise from outside.
-    fn corners(&self, triangle: u32) -> [Vec3; 3];
+    fn corners(&self, triangle: u64) -> [Vec3; 3];
     /// Names of the corners; triangles that share a corner share its name.
-    fn ids(&self, triangle: u32) -> [u32; 3];
+    fn ids(&self, triangle: u64) -> [u64; 3];
     /// Outward unit normal.
-    fn normal(&self, triangle: u32) -> Vec3;
+    fn normal(&self, triangle: u64) -> Vec3;
     /// How the surface bends at edge i, which runs from corner i to corner (i + 1) % 3.
-    fn kind(&self, triangle: u32, edge: usize) -> EdgeKind;
+    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind;
     /// The triangle on the other side of an edge.
-    fn neighbour(&self, triangle: u32, edge: usize) -> Option<u32>;
+    fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64>;
     /// The triangle straight above or below a point, where everything below the surface is solid.
-    fn cover(&self, point: Vec3) -> Option<u32>;
+    fn cover(&self, point: Vec3) -> Option<u64>;
     /// Whether everything below the surface is solid, so that no body can be on the wrong side of it.
     const BOTTOMLESS: bool;
 }
@@ -204,7 +204,7 @@ fn poly<S: Surface>(
     merge::manifolds(&facets, &probe, touches, out);
 }
 
-/// Points of A so deep in a bottomless surface that no triangle has them along its normal: the triangle straight
+/// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight
 /// above pushes them out.
 fn sunk<S: Surface>(
     placed: &Placed<S>,
@@ -224,8 +224,7 @@ fn sunk<S: Surface>(
         let Ok(i) = facets.binary_search_by_key(&triangle, |facet| facet.triangle) else {
             continue;
         };
-        let height = facets[i].height(p);
-        if height < -probe.margin && !facets[i].holds(p, height) {
+        if facets[i].height(p) < -probe.margin {
             touches.push(facets[i].face_touch(i, p, radius, k));
         }
     }

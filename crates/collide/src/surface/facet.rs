@@ -8,8 +8,8 @@ use rockfall_shape::EdgeKind;
 pub(super) const ROUNDING: f32 = 1e-5;
 
 pub(super) struct Facet {
-    pub(super) triangle: u32,
-    pub(super) ids: [u32; 3],
+    pub(super) triangle: u64,
+    pub(super) ids: [u64; 3],
     pub(super) corners: [Vec3; 3],
     pub(super) normal: Vec3,
     /// Height of the plane over A's origin along `normal`.
@@ -29,7 +29,7 @@ pub(super) struct Facet {
 }
 
 impl Facet {
-    pub(super) fn new<S: Surface>(placed: &Placed<S>, triangle: u32, bounds: &Aabb) -> Self {
+    pub(super) fn new<S: Surface>(placed: &Placed<S>, triangle: u64, bounds: &Aabb) -> Self {
         let surface = placed.surface;
         let local = surface.corners(triangle);
         let normal = surface.normal(triangle);
@@ -105,12 +105,12 @@ impl Facet {
 
     /// Name of something that belongs to this triangle alone.
     pub(super) fn own_feature(&self, sort: u64, of_a: usize, of_b: usize) -> u32 {
-        fold(&[sort, u64::from(self.triangle), of_a as u64, of_b as u64])
+        fold(&[sort, self.triangle, of_a as u64, of_b as u64])
     }
 
     /// Name of a corner or an edge of the surface: the same from each triangle that has it.
     pub(super) fn shared_feature(&self, corners: [usize; 2], of_a: usize) -> u32 {
-        let [a, b] = corners.map(|c| u64::from(self.ids[c % 3]));
+        let [a, b] = corners.map(|c| self.ids[c % 3]);
         fold(&[2, a.min(b), a.max(b), of_a as u64])
     }
 
@@ -136,7 +136,7 @@ fn fold(words: &[u64]) -> u32 {
 /// it.
 pub(super) fn corner_pushes<S: Surface>(
     placed: &Placed<S>,
-    triangle: u32,
+    triangle: u64,
     corner: usize,
     out: Vec3,
     tolerance: f32,

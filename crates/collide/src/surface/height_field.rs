@@ -5,7 +5,7 @@ use rockfall_math::{Aabb, Vec3};
 use rockfall_shape::{EdgeKind, HeightField};
 
 /// Sine of the angle up to which an edge counts as flat: the rounding of heights, seen over one cell.
-const FLAT: f32 = 2e-3;
+const FLAT: f32 = 1e-3;
 
 /// Column and row of a cell, and which half.
 #[derive(Clone, Copy)]
@@ -15,71 +15,51 @@ struct Half {
     upper: bool,
 }
 
-fn half(field: &HeightField, triangle: u32) -> Half {
-    let cells = field.columns - 1;
+fn half(field: &HeightField, triangle: u64) -> Half {
+    let cells = u64::from(field.columns - 1);
     let cell = triangle / 2;
-    Half { i: cell % cells, j: cell / cells, upper: triangle % 2 == 1 }
+    Half { i: (cell % cells) as u32, j: (cell / cells) as u32, upper: triangle & 1 == 1 }
 }
 
-fn samples(field: &HeightField, triangle: u32) -> [(u32, u32); 3] {
-    let Half { i, j, upper } = half(field, triangle);
-    if upper { [(i, j), (i + 1, j + 1), (i, j + 1)] } else { [(i, j), (i + 1, j), (i + 1, j + 1)] }
-}
-
-fn sample(field: &HeightField, (i, j): (u32, u32)) -> Vec3 {
-    Vec3::new(
-        (i as f32 - 0.5 * (field.columns - 1) as f32) * field.spacing.x,
-        (j as f32 - 0.5 * (field.rows - 1) as f32) * field.spacing.y,
-        field.heights[j as usize * field.columns as usize + i as usize],
-    )
-}
-
-/// Column and row, not whole, of a place over the field.
-fn place(field: &HeightField, x: f32, y: f32) -> (f32, f32) {
-    (
-        x / field.spacing.x + 0.5 * (field.columns - 1) as f32,
-        y / field.spacing.y + 0.5 * (field.rows - 1) as f32,
-    )
+fn name(field: &HeightField, i: u32, j: u32, upper: bool) -> u64 {
+    2 * (u64::from(j) * u64::from(field.columns - 1) + u64::from(i)) + u64::from(upper)
 }
 
 impl Surface for HeightField {
     const BOTTOMLESS: bool = true;
 
-    fn near(&self, area: &Aabb, mut f: impl FnMut(u32)) {
-        let (low, high) = (place(self, area.min.x, area.min.y), place(self, area.max.x, area.max.y));
-        let range = |low: f32, high: f32, cells: u32| {
-            // A sample on the border of two cells belongs to both.
-            let first = ((low.next_down().floor()).max(0.0) as u32).min(cells);
-            let last = if high < 0.0 { 0 } else { (high.next_up().floor() as u32).saturating_add(1).min(cells) };
-            first..last
-        };
-        for j in range(low.1, high.1, self.rows - 1) {
-            for i in range(low.0, high.0, self.columns - 1) {
-                for upper in 0..2 {
-                    let triangle = 2 * (j * (self.columns - 1) + i) + upper;
-                    let top = self.corners(triangle).iter().fold(f32::NEG_INFINITY, |z, c| z.max(c.z));
-                    if top >= area.min.z {
-                        f(triangle);
+    fn near(&self, area: &Aabb, mut f: impl FnMut(u64)) {
+        let [columns, rows] = self.cells_under(area);
+        for j in rows {
+            for i in columns.clone() {
+                for (half, corners) in self.cell(i, j).iter().enumerate() {
+                    if corners.iter().any(|c| c.z >= area.min.z) {
+                        f(name(self, i, j, half == 1));
                     }
                 }
             }
         }
     }
 
-    fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        samples(self, triangle).map(|s| sample(self, s))
+    fn corners(&self, triangle: u64) -> [Vec3; 3] {
+        let Half { i, j, upper } = half(self, triangle);
+        self.cell(i, j)[usize::from(upper)]
     }
 
-    fn ids(&self, triangle: u32) -> [u32; 3] {
-        samples(self, triangle).map(|(i, j)| j * self.columns + i)
+    fn ids(&self, triangle: u64) -> [u64; 3] {
+        let Half { i, j, upper } = half(self, triangle);
+        let sample = |i: u32, j: u32| u64::from(j) * u64::from(self.columns) + u64::from(i);
+        let third = if upper { sample(i, j + 1) } else { sample(i + 1, j) };
+        let [first, across] = [sample(i, j), sample(i + 1, j + 1)];
+        if upper { [first, across, third] } else { [first, third, across] }
     }
 
-    fn normal(&self, triangle: u32) -> Vec3 {
+    fn normal(&self, triangle: u64) -> Vec3 {
         let [a, b, c] = self.corners(triangle);
         (b - a).cross(c - a).normalize()
     }
 
-    fn kind(&self, triangle: u32, edge: usize) -> EdgeKind {
+    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind {
         let Some(other) = self.neighbour(triangle, edge) else {
             return EdgeKind::Boundary;
         };
@@ -97,7 +77,7 @@ impl Surface for HeightField {
         }
     }
 
-    fn neighbour(&self, triangle: u32, edge: usize) -> Option<u32> {
+    fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64> {
         let Half { i, j, upper } = half(self, triangle);
         let (i, j, upper) = match (upper, edge) {
             (false, 0) => (Some(i), j.checked_sub(1), true),
@@ -109,16 +89,18 @@ impl Surface for HeightField {
         };
         let i = i.filter(|&i| i < self.columns - 1)?;
         let j = j.filter(|&j| j < self.rows - 1)?;
-        Some(2 * (j * (self.columns - 1) + i) + u32::from(upper))
+        Some(name(self, i, j, upper))
     }
 
-    fn cover(&self, point: Vec3) -> Option<u32> {
-        let (x, y) = place(self, point.x, point.y);
-        if !(x >= 0.0 && y >= 0.0 && x < (self.columns - 1) as f32 && y < (self.rows - 1) as f32) {
+    fn cover(&self, point: Vec3) -> Option<u64> {
+        let area = Aabb::new(point, point);
+        let [columns, rows] = self.cells_under(&area);
+        // Next to a border there are two, of which either will do.
+        let (i, j) = (columns.start, rows.start);
+        if columns.is_empty() {
             return None;
         }
-        let (i, j) = (x as u32, y as u32);
-        let upper = y - j as f32 > x - i as f32;
-        Some(2 * (j * (self.columns - 1) + i) + u32::from(upper))
+        let place = (point - self.sample(i, j)).truncate() / self.spacing;
+        Some(name(self, i, j, place.y > place.x))
     }
 }

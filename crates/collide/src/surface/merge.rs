@@ -57,9 +57,10 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
         })
 }
 
-/// Whether A's centre is behind the triangle while another one pushes it less far the other way: the back of a thin
-/// wall does not pull a body through.
+/// Whether A's centre is behind the triangle while another one, which it is less behind, pushes it the other way: the
+/// back of a thin wall does not pull a body through.
 fn behind(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
-    facets[touch.facet].height(probe.center) < 0.0
-        && touches.iter().any(|other| other.distance > touch.distance && other.out.dot(touch.out) < 0.0)
+    let height = |touch: &Touch| facets[touch.facet].height(probe.center);
+    height(touch) < 0.0
+        && touches.iter().any(|other| height(other) > height(touch) && other.out.dot(touch.out) < 0.0)
 }
