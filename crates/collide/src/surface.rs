@@ -104,6 +104,8 @@ struct Probe {
     /// Largest distance of a point of A from its origin: the unit of rounding errors, metres.
     size: f32,
     center: Vec3,
+    /// Distance of A's core, which touches are made for, from its surface, metres.
+    radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
 }
@@ -173,7 +175,7 @@ fn ball<S: Surface>(
     let facets = placed.gather(&bounds, margin);
     let size = core[0].length() + radius;
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
-    let probe = Probe { margin, size, center: Vec3::ZERO, limit };
+    let probe = Probe { margin, size, center: Vec3::ZERO, radius, limit };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
@@ -183,19 +185,13 @@ fn ball<S: Surface>(
 }
 
 /// Boxes and hulls.
-fn poly<S: Surface>(
-    a: &Poly,
-    surface: &S,
-    surface_in_a: &Isometry,
-    margin: f32,
-    out: &mut Vec<Manifold>,
-) {
+fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(a.vertices.iter().copied());
     let facets = placed.gather(&bounds, margin);
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
-    let probe = Probe { margin, size, center: a.center, limit };
+    let probe = Probe { margin, size, center: a.center, radius: 0.0, limit };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         solid::touch(&placed, &facets, i, a, &probe, &mut touches);

@@ -82,6 +82,33 @@ impl Facet {
         (0..3).all(|edge| self.outside(edge, p) <= self.allowance(edge, height))
     }
 
+    /// The point of the triangle's rim nearest to `p`, its edge and its parameter there.
+    pub(super) fn rim(&self, p: Vec3) -> (Vec3, usize, f32) {
+        let mut best = (Vec3::ZERO, 0, 0.0);
+        let mut nearest = f32::INFINITY;
+        for edge in 0..3 {
+            let (a, b) = (self.corners[edge], self.corners[(edge + 1) % 3]);
+            let along = b - a;
+            let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+            let q = if t == 1.0 { b } else { a + t * along };
+            let squared = p.distance_squared(q);
+            if squared < nearest {
+                nearest = squared;
+                best = (q, edge, t);
+            }
+        }
+        best
+    }
+
+    /// Distance of a point from the triangle.
+    pub(super) fn distance(&self, p: Vec3) -> f32 {
+        if (0..3).all(|edge| self.outside(edge, p) <= 0.0) {
+            self.height(p).abs()
+        } else {
+            self.rim(p).0.distance(p)
+        }
+    }
+
     /// In the plane of the neighbour, square to the shared edge, away from the neighbour.
     pub(super) fn back_from_beyond(&self, edge: usize) -> Vec3 {
         let along = self.corners[(edge + 1) % 3] - self.corners[edge];

@@ -4,14 +4,24 @@ use super::facet::Facet;
 use super::{Probe, Touch};
 use crate::reduce::reduce;
 use crate::{ContactPoint, Manifold};
+use rockfall_math::Vec3;
 
 /// Cosine of 2°: contacts whose normals differ less share a manifold.
 const SAME: f32 = 0.999_39;
 
 /// Appends the manifolds that the contacts make, deepest first.
 pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, out: &mut Vec<Manifold>) {
-    let mut kept: Vec<Touch> =
-        touches.iter().filter(|t| !explained(facets, probe, t) && !behind(facets, probe, &touches, t)).copied().collect();
+    let is_behind = |t: &Touch| facets[t.facet].height(probe.center) < 0.0;
+    // Whoever is in front of the surface is not touched from behind.
+    let front =
+        touches.iter().any(is_behind) && nearest(facets, probe.center, probe).height(probe.center) > 0.0;
+    let mut kept: Vec<Touch> = touches
+        .iter()
+        .filter(|t| {
+            !(front && is_behind(t) || explained(facets, probe, t) || opposed(facets, probe, &touches, t))
+        })
+        .copied()
+        .collect();
     // Deepest first, so that a group takes its normal from its deepest point.
     kept.sort_by(|a, b| {
         a.distance
@@ -43,24 +53,41 @@ pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, ou
     }
 }
 
-/// Whether a point that is deep behind its triangle is much less deep behind another, which then is where it came
-/// in: a box that leans on the side of a step does not stand on its top.
+/// Whether a point that is deep behind its triangle is much nearer to another, which then is where it came in, or is
+/// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
+/// reaches over a ridge does not hang from its far side. Triangles that A's centre is behind of do not count: a thin
+/// wall that was pierced still holds.
 fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
-    touch.doubtful
-        && -touch.distance > probe.margin
-        && facets.iter().any(|other| {
-            let height = other.height(touch.on_a);
-            height <= 0.0
-                && height > 0.5 * touch.distance
-                && other.height(probe.center) > 0.0
-                && other.holds(touch.on_a, height)
-        })
+    if !touch.doubtful || -touch.distance <= probe.margin {
+        return false;
+    }
+    let core = touch.on_a + probe.radius * touch.out;
+    let depth = -(touch.distance + probe.radius);
+    let sees = |facet: &Facet| facet.height(probe.center) > 0.0;
+    let nearest = nearest(facets, core, probe);
+    nearest.height(core) > 0.0 && sees(nearest)
+        || facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
 }
 
 /// Whether A's centre is behind the triangle while another one, which it is less behind, pushes it the other way: the
 /// back of a thin wall does not pull a body through.
-fn behind(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
+fn opposed(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
     let height = |touch: &Touch| facets[touch.facet].height(probe.center);
     height(touch) < 0.0
         && touches.iter().any(|other| height(other) > height(touch) && other.out.dot(touch.out) < 0.0)
+}
+
+/// The triangle nearest to a point; where several meet in the nearest place, the one that faces it most, which
+/// tells whether the point is in front of the surface.
+fn nearest<'a>(facets: &'a [Facet], p: Vec3, probe: &Probe) -> &'a Facet {
+    let tie = 1e-5 * probe.size;
+    let mut best = (f32::INFINITY, &facets[0]);
+    for facet in facets {
+        let distance = facet.distance(p);
+        let faces = facet.height(p).abs() > best.1.height(p).abs();
+        if distance < best.0 - tie || (distance < best.0 + tie && faces) {
+            best = (distance.min(best.0), facet);
+        }
+    }
+    best.1
 }

@@ -27,7 +27,7 @@ pub(super) fn touch<S: Surface>(
         if facet.holds(p, height) {
             touches.push(facet.face_touch(i, p, radius, k));
         } else if height > 0.0 {
-            let (q, edge, at) = rim(facet, p);
+            let (q, edge, at) = facet.rim(p);
             push(placed, facets, i, (p, q), (edge, at), radius, k, probe, touches);
         }
     }
@@ -97,24 +97,6 @@ fn push<S: Surface>(
         let on_a = p - radius * out;
         touches.push(Touch { out, on_a, distance: gap - radius, feature, facet: i, doubtful: false });
     }
-}
-
-/// The point of the triangle's rim nearest to `p`, its edge and its parameter there.
-fn rim(facet: &Facet, p: Vec3) -> (Vec3, usize, f32) {
-    let mut best = (Vec3::ZERO, 0, 0.0);
-    let mut nearest = f32::INFINITY;
-    for edge in 0..3 {
-        let (a, b) = (facet.corners[edge], facet.corners[(edge + 1) % 3]);
-        let along = b - a;
-        let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-        let q = if t == 1.0 { b } else { a + t * along };
-        let squared = p.distance_squared(q);
-        if squared < nearest {
-            nearest = squared;
-            best = (q, edge, t);
-        }
-    }
-    best
 }
 
 /// Parameters of the nearest points of the segments from `p` to `q` and from `a` to `b` (Ericson, *Real-Time Collision

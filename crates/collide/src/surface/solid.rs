@@ -136,7 +136,8 @@ fn shortest<S: Surface>(
 /// Whether the surface can push along `out`, where the triangle has these heights over a face of A.
 fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, heights: &[f32; 3], out: Vec3) -> bool {
     let first = (0..3).fold(0, |low, k| if heights[k] < heights[low] { k } else { low });
-    let rises = |k: usize| heights[k] - heights[first] > SQUARE * facet.corners[k].distance(facet.corners[first]);
+    let rises =
+        |k: usize| heights[k] - heights[first] > SQUARE * facet.corners[k].distance(facet.corners[first]);
     let (next, previous) = ((first + 1) % 3, (first + 2) % 3);
     match (rises(next), rises(previous)) {
         (true, true) => corner_pushes(placed, facet.triangle, first, out, CONE),
@@ -194,7 +195,8 @@ fn on_face(facet: &Facet, i: usize, a: &Poly, probe: &Probe, touches: &mut Vec<T
     }
     for (k, &corner) in facet.corners.iter().enumerate() {
         let distance = (a.normals[face].dot(corner) - a.offsets[face]) / cosine;
-        if distance <= probe.margin && sides(a, face).all(|(from, outward)| outward.dot(corner - from) <= 0.0) {
+        if distance <= probe.margin && sides(a, face).all(|(from, outward)| outward.dot(corner - from) <= 0.0)
+        {
             touches.push(Touch {
                 out: facet.normal,
                 on_a: corner + distance * facet.normal,
