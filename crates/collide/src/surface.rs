@@ -99,7 +99,9 @@ impl<S: Surface> Placed<'_, S> {
 }
 
 /// What each triangle is collided with.
-struct Probe {
+struct Probe<'a> {
+    /// Corners of A's core.
+    points: &'a [Vec3],
     margin: f32,
     /// Largest distance of a point of A from its origin: the unit of rounding errors, metres.
     size: f32,
@@ -110,7 +112,7 @@ struct Probe {
     limit: f32,
 }
 
-impl Probe {
+impl Probe<'_> {
     /// Whether A is on the front side of the triangle, or only a little behind it.
     fn sees(&self, facet: &Facet) -> bool {
         facet.height(self.center) >= -self.limit
@@ -175,7 +177,7 @@ fn ball<S: Surface>(
     let facets = placed.gather(&bounds, margin);
     let size = core[0].length() + radius;
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
-    let probe = Probe { margin, size, center: Vec3::ZERO, radius, limit };
+    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
@@ -191,7 +193,7 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
     let facets = placed.gather(&bounds, margin);
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
-    let probe = Probe { margin, size, center: a.center, radius: 0.0, limit };
+    let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         solid::touch(&placed, &facets, i, a, &probe, &mut touches);

@@ -2,12 +2,16 @@
 
 use super::facet::Facet;
 use super::{Probe, Touch};
+use crate::gjk::{Proximity, proximity};
 use crate::reduce::reduce;
 use crate::{ContactPoint, Manifold};
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 
 /// Cosine of 2°: contacts whose normals differ less share a manifold.
 const SAME: f32 = 0.999_39;
+
+/// Share of A's size from which on a depth needs an explanation.
+const DEEP: f32 = 0.01;
 
 /// Appends the manifolds that the contacts make, deepest first.
 pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, out: &mut Vec<Manifold>) {
@@ -55,18 +59,23 @@ pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, ou
 
 /// Whether a point that is deep behind its triangle is much nearer to another, which then is where it came in, or is
 /// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
-/// reaches over a ridge does not hang from its far side. Triangles that A's centre is behind of do not count: a thin
-/// wall that was pierced still holds.
+/// reaches over a ridge does not hang from its far side. A thin wall that was pierced still holds.
 fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
-    if !touch.doubtful || -touch.distance <= probe.margin {
+    if !touch.doubtful || -touch.distance <= DEEP * probe.size {
         return false;
     }
     let core = touch.on_a + probe.radius * touch.out;
     let depth = -(touch.distance + probe.radius);
     let sees = |facet: &Facet| facet.height(probe.center) > 0.0;
     let nearest = nearest(facets, core, probe);
-    nearest.height(core) > 0.0 && sees(nearest)
+    let outside = nearest.height(core) > 0.0;
+    outside && (sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
         || facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
+}
+
+/// Whether A's core overlaps the triangle.
+fn crosses(core: &[Vec3], facet: &Facet) -> bool {
+    matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
 }
 
 /// Whether A's centre is behind the triangle while another one, which it is less behind, pushes it the other way: the
