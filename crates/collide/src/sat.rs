@@ -57,7 +57,8 @@ pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Choice {
     let of_a = Axis { normal, separation, kind: Kind::FaceOfA(f) };
 
     let normals = b.normals.iter().map(|&n| b_in_a.vector(n));
-    let offsets = b.normals.iter().zip(b.offsets).map(|(&n, &o)| o + b_in_a.vector(n).dot(b_in_a.translation));
+    let offsets =
+        b.normals.iter().zip(b.offsets).map(|(&n, &o)| o + b_in_a.vector(n).dot(b_in_a.translation));
     let (f, separation, normal) = best_face(normals, offsets, a.vertices);
     let of_b = Axis { normal: -normal, separation, kind: Kind::FaceOfB(f) };
 

@@ -90,7 +90,9 @@ pub(crate) struct Solid {
 
 fn place(pose: &Isometry, p: Vec3) -> DVec3 {
     let (r, p) = (&pose.rotation, p.as_dvec3());
-    r.x_axis.as_dvec3() * p.x + r.y_axis.as_dvec3() * p.y + r.z_axis.as_dvec3() * p.z
+    r.x_axis.as_dvec3() * p.x
+        + r.y_axis.as_dvec3() * p.y
+        + r.z_axis.as_dvec3() * p.z
         + pose.translation.as_dvec3()
 }
 
@@ -147,7 +149,8 @@ impl Solid {
 
     /// How far a point is out of the solid, at least: exact inside and beyond faces.
     pub(crate) fn height(&self, p: DVec3) -> f64 {
-        let beyond = self.normals.iter().map(|&n| n.dot(p) - self.furthest(n)).fold(f64::NEG_INFINITY, f64::max);
+        let beyond =
+            self.normals.iter().map(|&n| n.dot(p) - self.furthest(n)).fold(f64::NEG_INFINITY, f64::max);
         match self.corners[..] {
             [c] => p.distance(c) - self.skin,
             [c, d] if self.normals.is_empty() => point_segment(p, c, d) - self.skin,

@@ -4,7 +4,6 @@
 //! parry3d works in single precision with tolerances of its own: it errs by up to a thousandth of the size where our
 //! brute force is exact, so brute force decides and parry3d checks that both mean the same thing.
 
-
 use crate::brute_force::{Random, Solid, gap, judge, manifold, size};
 use parry3d::math::{Pose, Rotation};
 use parry3d::query;
@@ -282,7 +281,8 @@ fn a_used_cache_changes_no_bit() {
                     continue;
                 }
                 // A walk that comes and goes around contact.
-                let (mut at, mut cache) = (Isometry { rotation: random.rotation(), translation: Vec3::ZERO }, Cache::default());
+                let (mut at, mut cache) =
+                    (Isometry { rotation: random.rotation(), translation: Vec3::ZERO }, Cache::default());
                 let reach = size(&a) + size(&b);
                 let mut out = Vec::new();
                 for _ in 0..200 {
