@@ -41,6 +41,14 @@ pub(crate) const MOTION: &[Key] = &[
 pub(crate) static BODY: Spec = Spec {
     name: "body",
     about: "One body.",
+    example: r#"[[bodies]]
+name = "hammer"
+shape = "ball"
+position = [0, 0, 8]
+rotation = { axis = [1, 0, 0], degrees = 30 }
+velocity = [2, 0, 0]
+locks = ["ry"]
+"#,
     groups: &[
         &[
             required("shape", Ty::Shape, "Name of its shape."),

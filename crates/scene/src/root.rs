@@ -12,6 +12,14 @@ use rockfall::{Material, Mix, Settings, Solver};
 pub(crate) static ROOT: Spec = Spec {
     name: "scene",
     about: "A scene file.",
+    example: r#"[shapes.ball]
+kind = "sphere"
+radius = 0.5
+
+[[bodies]]
+shape = "ball"
+position = [0, 0, 10]
+"#,
     groups: &[&[
         key(
             "include",
@@ -42,6 +50,11 @@ const RATE: Range = Range { min: 1.0, max: 100_000.0 };
 pub(crate) static WORLD: Spec = Spec {
     name: "world",
     about: "What holds for the whole scene.",
+    example: r#"[world]
+gravity = [0, 0, -3.71] # Mars
+duration = 10
+substeps = 8
+"#,
     groups: &[&[
         key("gravity", Ty::Numbers(&[3], ANY), "[0, 0, -9.81]", "m/s². z is up."),
         key("rate", Ty::Number(RATE), "60", "Frames per second of simulated time."),
@@ -98,6 +111,11 @@ const FRICTION: Range = Range { min: 0.0, max: 1000.0 };
 pub(crate) static MATERIAL: Spec = Spec {
     name: "material",
     about: "What a surface is made of. The defaults are those of rock.",
+    example: r#"[materials.ice]
+density = 917
+friction = 0.03
+friction_mix = "minimum"
+"#,
     groups: &[&[
         key("density", Ty::Number(POSITIVE), "2600", "kg/m³."),
         key("restitution", Ty::Number(SHARE), "0", "0 stops dead, 1 bounces back to the start (the report's μ_N)."),

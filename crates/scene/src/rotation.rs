@@ -9,6 +9,8 @@ use rockfall_math::{Quat, rotation};
 pub(crate) static AXIS_DEGREES: Spec = Spec {
     name: "rotation",
     about: "A rotation about an axis, counter-clockwise when the axis points at you.",
+    example: r#"rotation = { axis = [0, 0, 1], degrees = 45 }
+"#,
     groups: &[&[
         required("axis", Ty::Numbers(&[3], ANY), "Any length but zero."),
         required("degrees", Ty::Number(ANY), "Angle."),

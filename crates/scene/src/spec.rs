@@ -7,6 +7,8 @@ pub(crate) struct Spec {
     /// What it is called in messages and in the manual; for one of [`Kinds`], the word that chooses it.
     pub(crate) name: &'static str,
     pub(crate) about: &'static str,
+    /// TOML that people can begin with.
+    pub(crate) example: &'static str,
     /// Keys, in groups that several tables share.
     pub(crate) groups: &'static [&'static [Key]],
 }

@@ -12,6 +12,10 @@ use rockfall_math::{DVec3, Pose};
 pub(super) static CONTAINER_KEYS: Spec = Spec {
     name: "container",
     about: "Fixed walls around a box-shaped room, and a floor.",
+    example: r#"[[generators]]
+kind = "container"
+size = [20, 20, 15]
+"#,
     groups: &[
         &[
             required("size", Ty::Numbers(&[3], POSITIVE), "Of the room inside, m."),

@@ -22,6 +22,13 @@ pub(super) static FILL_KEYS: Spec = Spec {
     name: "fill",
     about: "Bodies at random places of a region, none overlapping another. When they don't all fit, the scene is \
             refused and says how many did.",
+    example: r#"[[generators]]
+kind = "fill"
+shape = ["ball", "crate"]
+count = 500
+size = { min = 0.2, max = 0.6 }
+region = { min = [-5, -5, 1], max = [5, 5, 20] }
+"#,
     groups: &[
         SHAPED,
         &[

@@ -22,6 +22,14 @@ pub(super) static POUR_KEYS: Spec = Spec {
     name: "pour",
     about: "Bodies that come into being over time, at random places of a region, none overlapping another. When there \
             is no room, they wait.",
+    example: r#"[[generators]]
+kind = "pour"
+shape = "ball"
+count = 2000
+rate = 400
+region = { min = [-4, -4, 20], max = [4, 4, 24] }
+velocity = [0, 0, -10]
+"#,
     groups: &[
         SHAPED,
         &[

@@ -13,6 +13,11 @@ use rockfall_math::{Pose, Vec3, rotation::rotate};
 pub(super) static PYRAMID_KEYS: Spec = Spec {
     name: "pyramid",
     about: "A pyramid one box deep: each course has one box less than the one below. Numbered from the bottom.",
+    example: r#"[[generators]]
+kind = "pyramid"
+base = 20
+brick = [1, 0.5, 0.5]
+"#,
     groups: &[
         &[
             required("base", Ty::Int(1, 4_294_967_295), "Boxes in the lowest course."),

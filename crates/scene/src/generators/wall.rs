@@ -13,6 +13,12 @@ use rockfall_math::{Pose, Vec3, rotation::rotate};
 pub(super) static WALL_KEYS: Spec = Spec {
     name: "wall",
     about: "A wall of bricks in running bond, numbered course by course from the bottom.",
+    example: r#"[[generators]]
+kind = "wall"
+length = 20
+courses = 30
+heading = 90
+"#,
     groups: &[
         &[
             key("brick", Ty::Numbers(&[3], POSITIVE), "[0.24, 0.115, 0.071]", "Length, depth, height of a brick, m."),

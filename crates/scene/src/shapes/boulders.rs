@@ -22,6 +22,12 @@ pub(super) static BOULDERS_KEYS: Spec = Spec {
     name: "boulders",
     about: "A family of convex boulders, no two alike, centred on their centres of mass. A generator picks one of them \
             for each body.",
+    example: r#"[shapes.rocks]
+kind = "boulders"
+count = 48
+radius = [0.2, 1]
+distribution = "power-law"
+"#,
     groups: &[
         &[
             key("count", Ty::Int(1, 4096), "24", "Boulders in the family."),
