@@ -15,8 +15,9 @@
 //! and then moved into place.
 //!
 //! The format was chosen so that NumPy, xarray and any other reader of Zarr open it without a line of ours. A chunk
-//! is one frame of up to 65,536 bodies: playback wants a moment, and a run that is cut off loses none. Compression
-//! is zstd at its fastest level: poses of moving bodies hardly compress, those of absent bodies vanish.
+//! is one frame of up to 65,536 bodies, because playback wants a moment; where bodies are few it holds several
+//! frames, because a file costs the same for ten bodies as for ten thousand. Compression is zstd at its fastest
+//! level: poses of moving bodies hardly compress, those of absent bodies vanish.
 
 use crate::store::WholeFiles;
 use crate::{BodyTable, Error, Poses};
@@ -28,6 +29,7 @@ use zarrs::array::builder::ArrayBuilderFillValue;
 use zarrs::array::codec::{BytesCodec, ZstdCodec};
 use zarrs::array::{Array, ArrayBuilder, ArrayMetadataOptions, DataType, Element, data_type};
 use zarrs::group::GroupBuilder;
+use zarrs::metadata::ChunkKeySeparator;
 
 /// The version of this layout, the group's attribute `rockfall_trajectory`.
 pub const LAYOUT: u64 = 1;
@@ -35,7 +37,13 @@ pub const LAYOUT: u64 = 1;
 /// Bodies in a chunk, at most.
 pub const CHUNK_BODIES: usize = 65_536;
 
-/// Frames in a chunk of `time`.
+/// A chunk holds as many frames as stay below this number of poses, at least one.
+const CHUNK_POSES: usize = 16_384;
+
+/// Frames in a chunk, at most.
+const CHUNK_FRAMES: usize = 256;
+
+/// Frames in a chunk of `time`; a multiple of any power of two up to [`CHUNK_FRAMES`].
 const CHUNK_TIMES: usize = 1024;
 
 /// zstd's fastest ordinary level.
@@ -48,12 +56,19 @@ pub struct TrajectoryWriter {
     bodies: usize,
     /// Bodies in a chunk: the bodies shared out evenly, so that little of the last chunk is padding.
     chunk: usize,
+    /// Frames in a chunk, a power of two; one where the bodies take several chunks.
+    span: usize,
     position: Array<WholeFiles>,
     orientation: Array<WholeFiles>,
     time: Array<WholeFiles>,
-    /// The chunk of `time` that is not full yet.
+    /// The chunks that are not full yet.
+    positions: Vec<f32>,
+    orientations: Vec<f32>,
     times: Vec<f64>,
+    /// Frames that were appended.
     frames: u64,
+    /// Frames that are in the store.
+    stored: u64,
 }
 
 impl TrajectoryWriter {
@@ -65,6 +80,7 @@ impl TrajectoryWriter {
         let store = Arc::new(WholeFiles::new(path.to_owned()));
         let bodies = table.len();
         let chunk = bodies.div_ceil(bodies.div_ceil(CHUNK_BODIES).max(1)).max(1);
+        let span = frames_in_chunk(bodies);
         let group = attributes([
             ("rockfall_trajectory", json!(LAYOUT)),
             ("origin", json!(origin.to_array())),
@@ -88,7 +104,7 @@ impl TrajectoryWriter {
         let moving = |last: usize, names| Layout {
             store: &store,
             shape: vec![0, bodies as u64, last as u64],
-            chunk: vec![1, chunk as u64, last as u64],
+            chunk: vec![span as u64, chunk as u64, last as u64],
             names,
         };
         let position = moving(3, &["frame", "body", "xyz"]).create(
@@ -119,27 +135,58 @@ impl TrajectoryWriter {
                     f64::NAN,
                     attributes([("units", json!("s")), ("description", json!("simulated seconds"))]),
                 )?;
-        let times = vec![f64::NAN; CHUNK_TIMES];
-        Ok(TrajectoryWriter { store, bodies, chunk, position, orientation, time, times, frames: 0 })
+        Ok(TrajectoryWriter {
+            store,
+            bodies,
+            chunk,
+            span,
+            position,
+            orientation,
+            time,
+            positions: vec![f32::NAN; span * bodies * 3],
+            orientations: vec![f32::NAN; span * bodies * 4],
+            times: vec![f64::NAN; CHUNK_TIMES],
+            frames: 0,
+            stored: 0,
+        })
     }
 
-    /// Frames written so far.
-    pub fn frames(&self) -> u64 {
-        self.frames
+    /// Frames in the store.
+    pub fn stored(&self) -> u64 {
+        self.stored
     }
 
-    /// Adds a frame; `poses` has a row for each body of the table.
+    /// Adds a frame; `poses` has a row for each body of the table. It is in the store as soon as its chunk is full,
+    /// or after [`TrajectoryWriter::flush`].
     ///
     /// # Errors
     /// [`Error::Io`] names the file that could not be written. The frames before stay readable.
     pub fn append(&mut self, time: f64, poses: &Poses) -> Result<(), Error> {
-        let (store, frame, frames) = (&self.store, self.frames, self.frames + 1);
-        let slot = (frame % CHUNK_TIMES as u64) as usize;
+        let slot = (self.frames % self.span as u64) as usize;
         if slot == 0 {
+            self.positions.fill(f32::NAN);
+            self.orientations.fill(f32::NAN);
+        }
+        self.positions[slot * 3 * self.bodies..][..3 * self.bodies].copy_from_slice(&poses.positions);
+        self.orientations[slot * 4 * self.bodies..][..4 * self.bodies].copy_from_slice(&poses.orientations);
+        let time_slot = (self.frames % CHUNK_TIMES as u64) as usize;
+        if time_slot == 0 {
             self.times.fill(f64::NAN);
         }
-        self.times[slot] = time;
-        let bodies = self.bodies as u64;
+        self.times[time_slot] = time;
+        self.frames += 1;
+        if slot + 1 == self.span { self.flush() } else { Ok(()) }
+    }
+
+    /// Puts all frames into the store.
+    ///
+    /// # Errors
+    /// As [`TrajectoryWriter::append`].
+    pub fn flush(&mut self) -> Result<(), Error> {
+        if self.stored == self.frames {
+            return Ok(());
+        }
+        let (store, frames, bodies) = (&self.store, self.frames, self.bodies as u64);
         for (array, shape) in [
             (&mut self.position, vec![frames, bodies, 3]),
             (&mut self.orientation, vec![frames, bodies, 4]),
@@ -147,35 +194,43 @@ impl TrajectoryWriter {
         ] {
             array.set_shape(shape).map_err(|error| store.explain(error))?;
         }
-        store_frame(&self.position, store, frame, self.chunk, &poses.positions)?;
-        store_frame(&self.orientation, store, frame, self.chunk, &poses.orientations)?;
-        let chunk = frame / CHUNK_TIMES as u64;
-        self.time.store_chunk(&[chunk], &self.times[..]).map_err(|error| store.explain(error))?;
+        let index = (frames - 1) / self.span as u64;
+        for (array, values) in [(&self.position, &self.positions), (&self.orientation, &self.orientations)] {
+            let width = array.shape()[2] as usize;
+            store_chunks(array, store, index, self.span * self.chunk * width, values)?;
+        }
+        let index = (frames - 1) / CHUNK_TIMES as u64;
+        self.time.store_chunk(&[index], &self.times[..]).map_err(|error| store.explain(error))?;
         // What is there may be seen; `time` says so last.
         for array in [&self.position, &self.orientation, &self.time] {
             array.store_metadata().map_err(|error| store.explain(error))?;
         }
-        self.frames = frames;
+        self.stored = frames;
         Ok(())
     }
 }
 
-/// Stores the chunks of one frame; `values` has the same number of values for each body.
-fn store_frame(
+/// A power of two, so that no chunk of poses straddles two chunks of times.
+fn frames_in_chunk(bodies: usize) -> usize {
+    let fit = (CHUNK_POSES / bodies.max(1)).clamp(1, CHUNK_FRAMES);
+    1 << fit.ilog2()
+}
+
+/// Stores `values`, one or more chunks of `size` values side by side along the bodies; the last one is padded.
+fn store_chunks(
     array: &Array<WholeFiles>,
     store: &WholeFiles,
-    frame: u64,
-    chunk: usize,
+    index: u64,
+    size: usize,
     values: &[f32],
 ) -> Result<(), Error> {
-    let width = array.shape()[2] as usize;
-    for (index, part) in values.chunks(chunk * width).enumerate() {
-        let at = [frame, index as u64, 0];
-        let stored = if part.len() == chunk * width {
+    for (column, part) in values.chunks(size).enumerate() {
+        let at = [index, column as u64, 0];
+        let stored = if part.len() == size {
             array.store_chunk(&at, part)
         } else {
             let mut padded = part.to_vec();
-            padded.resize(chunk * width, f32::NAN);
+            padded.resize(size, f32::NAN);
             array.store_chunk(&at, padded)
         };
         stored.map_err(|error| store.explain(error))?;
@@ -210,6 +265,8 @@ impl Layout<'_> {
             builder.array_to_bytes_codec(Arc::new(BytesCodec::little()));
         }
         let array = builder
+            // One folder per array instead of one per chunk.
+            .chunk_key_encoding_default_separator(ChunkKeySeparator::Dot)
             .bytes_to_bytes_codecs(vec![Arc::new(ZstdCodec::new(LEVEL, true))])
             .dimension_names(Some(self.names.iter().copied()))
             .attributes(attributes)
@@ -238,5 +295,20 @@ impl Layout<'_> {
             array.store_chunk(&[index as u64], &part[..]).map_err(|error| self.store.explain(error))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_bodies_share_a_chunk_and_many_do_not() {
+        assert_eq!(frames_in_chunk(0), 256);
+        assert_eq!(frames_in_chunk(10), 256);
+        assert_eq!(frames_in_chunk(1000), 16);
+        assert_eq!(frames_in_chunk(16_384), 1);
+        assert_eq!(frames_in_chunk(1_000_000), 1);
+        assert_eq!(CHUNK_TIMES % CHUNK_FRAMES, 0);
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! The simulation hands frames over through a queue of a few places and goes on; a thread of its own compresses
 //! and writes them. When the disk is slower than the simulation the queue fills and [`RunWriter::push`] waits: memory
-//! stays bounded and no frame is dropped. The buffers travel back, so that a run allocates them once.
+//! stays bounded and no frame is dropped. The buffers travel back, so that a run allocates them once. A program that
+//! is killed loses what is in the queue and, where a chunk holds several frames, the last quarter of a second.
 
 use crate::trajectory::TrajectoryWriter;
 use crate::{BodyTable, Error, FRAMES, Frame, Poses, RunFolder, SCENE, SUMMARY, Summary, TRAJECTORY, csv};
@@ -10,12 +11,15 @@ use rockfall_math::DVec3;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Frames that wait to be written, at most. A million bodies take 28 MB each.
 const QUEUE: usize = 4;
+
+/// The longest that a frame waits for others to fill its chunk.
+const FLUSH: Duration = Duration::from_millis(250);
 
 /// Writes a run from a thread of its own.
 #[derive(Debug)]
@@ -65,14 +69,26 @@ impl RunWriter {
         let thread = thread::Builder::new()
             .name("run writer".into())
             .spawn(move || {
-                let mut parts = Parts { rows, rows_path, trajectory };
+                let mut parts = Parts { rows, rows_path, trajectory, frame: 0 };
                 parts.write_row(&csv::header())?;
-                for frame in queue {
-                    parts.write(&frame)?;
-                    // Nobody wants the buffer any more when the simulation has ended.
-                    let _ = give_back.send(frame.poses);
+                let mut flushed = Instant::now();
+                loop {
+                    match queue.recv_timeout(FLUSH) {
+                        Ok(frame) => {
+                            parts.write(&frame)?;
+                            // Nobody wants the buffer any more when the simulation has ended.
+                            let _ = give_back.send(frame.poses);
+                        }
+                        Err(RecvTimeoutError::Timeout) => {}
+                        Err(RecvTimeoutError::Disconnected) => break,
+                    }
+                    if flushed.elapsed() >= FLUSH {
+                        parts.trajectory.flush()?;
+                        flushed = Instant::now();
+                    }
                 }
-                Ok(parts.trajectory.frames())
+                parts.trajectory.flush()?;
+                Ok(parts.trajectory.stored())
             })
             .map_err(|error| Error::io("start the thread that writes", &path, &error))?;
         Ok(RunWriter {
@@ -151,13 +167,16 @@ struct Parts {
     rows: File,
     rows_path: PathBuf,
     trajectory: TrajectoryWriter,
+    /// The next one.
+    frame: u64,
 }
 
 impl Parts {
     fn write(&mut self, frame: &Frame) -> Result<(), Error> {
         if let Some(report) = &frame.report {
-            self.write_row(&csv::row(self.trajectory.frames(), frame.time, report, frame.hash))?;
+            self.write_row(&csv::row(self.frame, frame.time, report, frame.hash))?;
         }
+        self.frame += 1;
         self.trajectory.append(frame.time, &frame.poses)
     }
 

@@ -3,6 +3,8 @@
 use crate::synthetic;
 use rockfall_cache::{Error, FRAMES, Poses, RunFolder, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
 use std::fs;
+use std::thread;
+use std::time::{Duration, Instant};
 
 fn same_bits(a: &Poses, b: &Poses) -> bool {
     let bits = |values: &[f32]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
@@ -19,7 +21,7 @@ fn expected(bodies: usize, frame: u64) -> Poses {
 #[test]
 fn every_value_reads_back() {
     // No body, one, some, and more than a chunk with the last one not full.
-    for (bodies, frames) in [(0, 2), (1, 1), (10, 7), (70_001, 3)] {
+    for (bodies, frames) in [(0, 2), (1, 1), (10, 7), (3000, 11), (20_000, 3), (70_001, 3)] {
         let folder = tempfile::tempdir().unwrap();
         let written = synthetic::write(folder.path(), bodies, frames).unwrap();
         assert_eq!(written.frames, frames);
@@ -57,11 +59,11 @@ fn more_frames_than_a_chunk_of_times() {
 #[test]
 fn a_run_that_was_cut_off_reads_up_to_its_last_complete_frame() {
     let folder = tempfile::tempdir().unwrap();
-    synthetic::write(folder.path(), 10, 5).unwrap();
+    let bodies = 20_000;
+    synthetic::write(folder.path(), bodies, 5).unwrap();
     // The state after a kill between the files of frame 5: its position is there, even announced, the rest is not.
     let trajectory = folder.path().join(TRAJECTORY);
-    fs::create_dir_all(trajectory.join("position/c/5/0")).unwrap();
-    fs::copy(trajectory.join("position/c/4/0/0"), trajectory.join("position/c/5/0/0")).unwrap();
+    fs::copy(trajectory.join("position/c.4.0.0"), trajectory.join("position/c.5.0.0")).unwrap();
     let metadata = trajectory.join("position/zarr.json");
     let mut json: serde_json::Value = serde_json::from_slice(&fs::read(&metadata).unwrap()).unwrap();
     json["shape"][0] = 6.into();
@@ -70,28 +72,45 @@ fn a_run_that_was_cut_off_reads_up_to_its_last_complete_frame() {
 
     let run = RunReader::open(folder.path()).unwrap();
     assert_eq!(run.frames().unwrap(), 5);
-    assert!(same_bits(&run.poses(4).unwrap(), &expected(10, 4)));
+    assert!(same_bits(&run.poses(4).unwrap(), &expected(bodies, 4)));
     assert!(matches!(run.poses(5), Err(Error::NoFrame { frame: 5, frames: 5 })));
 }
 
 #[test]
 fn a_run_is_readable_while_it_is_written() {
     let folder = tempfile::tempdir().unwrap();
-    let mut writer = synthetic::start(folder.path(), 10).unwrap();
+    let bodies = 3000;
+    let mut writer = synthetic::start(folder.path(), bodies).unwrap();
     let mut seen = 0;
     for index in 0..50 {
-        let frame = synthetic::frame(&writer, 10, index);
+        let frame = synthetic::frame(&writer, bodies, index);
         writer.push(frame).unwrap();
         let run = RunReader::open(folder.path()).unwrap();
         assert_eq!(run.summary().status, Status::Running);
         let frames = run.frames().unwrap();
         assert!(frames >= seen);
         if frames > seen {
-            assert!(same_bits(&run.poses(frames - 1).unwrap(), &expected(10, frames - 1)));
+            assert!(same_bits(&run.poses(frames - 1).unwrap(), &expected(bodies, frames - 1)));
         }
         seen = frames;
     }
+    assert!(seen > 0, "nothing was to be seen before the end");
     assert_eq!(writer.finish().unwrap().frames, 50);
+}
+
+#[test]
+fn a_frame_is_seen_soon_even_when_no_other_follows() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut writer = synthetic::start(folder.path(), 10).unwrap();
+    let frame = synthetic::frame(&writer, 10, 0);
+    writer.push(frame).unwrap();
+    let run = RunReader::open(folder.path()).unwrap();
+    let deadline = Instant::now() + Duration::from_secs(10);
+    while run.frames().unwrap() == 0 {
+        assert!(Instant::now() < deadline, "the frame was not written");
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert!(same_bits(&run.poses(0).unwrap(), &expected(10, 0)));
 }
 
 #[test]
@@ -104,6 +123,8 @@ fn a_removed_folder_comes_back_as_an_error_that_names_a_file() {
     fs::rename(&path, folder.path().join("elsewhere")).unwrap();
     let error = (1..1000)
         .find_map(|index| {
+            // A chunk of few bodies waits a while for more frames.
+            thread::sleep(Duration::from_millis(5));
             let frame = synthetic::frame(&writer, 10, index);
             writer.push(frame).err()
         })
@@ -130,9 +151,9 @@ fn a_former_run_is_replaced_on_request_only_and_other_files_stay() {
 #[test]
 fn damage_is_an_error_that_names_the_part() {
     let folder = tempfile::tempdir().unwrap();
-    synthetic::write(folder.path(), 10, 2).unwrap();
+    synthetic::write(folder.path(), 20_000, 2).unwrap();
     let trajectory = folder.path().join(TRAJECTORY);
-    let chunk = trajectory.join("position/c/1/0/0");
+    let chunk = trajectory.join("position/c.1.0.0");
     let mut bytes = fs::read(&chunk).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 0x10;

@@ -15,8 +15,8 @@ fn zarr_for_python_reads_every_value() {
         println!("SKIPPED: {PYTHON} is not set; `./test` makes a Python with zarr and sets it");
         return;
     };
-    // A few bodies; and more than a chunk, so that the last one is padded.
-    for (bodies, frames) in [(11, 40), (70_001, 2)] {
+    // Chunks of many frames, of some, and of one frame with a padded chunk at its end.
+    for (bodies, frames) in [(11, 300), (3000, 11), (70_001, 2)] {
         let folder = tempfile::tempdir().unwrap();
         let run = folder.path().join("run");
         let expected = folder.path().join("expected");
