@@ -2,16 +2,33 @@
 //!
 //! Lengths are metres, the frame of a shape is the user's own, z is up where a shape has a natural axis.
 
+#![forbid(unsafe_code)]
+
+mod bounds;
+mod extent;
 mod height_field;
 mod hull;
+mod kind;
+mod mass;
 mod mesh;
+mod polyhedron;
+mod principal;
 
-pub use height_field::HeightField;
-pub use hull::{Hull, HullEdge};
-pub use mesh::{EdgeKind, Mesh};
+pub use bounds::UNBOUNDED;
+pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
+pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
+pub use kind::ShapeError;
+pub use mass::MassProperties;
+pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport};
 
 use rockfall_math::Vec3;
 use std::sync::Arc;
+
+/// The smallest size of a shape, metres. The inertia of anything smaller drowns in single precision.
+pub const SMALLEST: f32 = 1e-6;
+
+/// The largest size of a shape and the largest coordinate in its frame, metres.
+pub const LARGEST: f32 = 1e6;
 
 /// A shape in its own frame. Cloning is cheap: large geometry is shared.
 #[derive(Clone, Debug)]
