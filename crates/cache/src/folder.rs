@@ -22,27 +22,34 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
+    /// Whether [`RunFolder::at`] would accept the folder `path`; touches nothing.
+    ///
+    /// # Errors
+    /// [`Error::RunExists`], [`Error::Occupied`] or [`Error::NotAFolder`] where there is something else.
+    pub fn check(path: &Path, overwrite: bool) -> Result<(), Error> {
+        if !path.exists() {
+            return Ok(());
+        }
+        if !path.is_dir() {
+            return Err(Error::NotAFolder(path.to_owned()));
+        }
+        if RunReader::is_run(path) {
+            return if overwrite { Ok(()) } else { Err(Error::RunExists(path.to_owned())) };
+        }
+        let mut entries = fs::read_dir(path).map_err(|error| Error::io("read", path, &error))?;
+        if entries.next().is_some() { Err(Error::Occupied(path.to_owned())) } else { Ok(()) }
+    }
+
     /// The folder `path`, created where it is missing. A former run in it is replaced if `overwrite` says so: its
     /// four parts are removed, other files stay.
     ///
     /// # Errors
-    /// [`Error::RunExists`], [`Error::Occupied`] or [`Error::NotAFolder`] where there is something else; nothing was
-    /// touched then. [`Error::Io`].
+    /// Those of [`RunFolder::check`], before anything is touched; [`Error::Io`].
     pub fn at(path: &Path, overwrite: bool) -> Result<Self, Error> {
-        if path.exists() && !path.is_dir() {
-            return Err(Error::NotAFolder(path.to_owned()));
-        }
+        Self::check(path, overwrite)?;
         fs::create_dir_all(path).map_err(|error| Error::io("create", path, &error))?;
         if RunReader::is_run(path) {
-            if !overwrite {
-                return Err(Error::RunExists(path.to_owned()));
-            }
             remove_run(path)?;
-        } else {
-            let mut entries = fs::read_dir(path).map_err(|error| Error::io("read", path, &error))?;
-            if entries.next().is_some() {
-                return Err(Error::Occupied(path.to_owned()));
-            }
         }
         Ok(RunFolder { path: path.to_owned() })
     }

@@ -11,9 +11,9 @@ pub struct BodyTable {
     pub ids: Vec<u64>,
     /// Empty where a body has none.
     pub names: Vec<String>,
-    /// Index of the shape.
+    /// Index of the shape; bodies of another scale have another one.
     pub shapes: Vec<u32>,
-    /// Size of the body relative to its shape.
+    /// Factor between the shape that the scene describes and the body's.
     pub scales: Vec<f32>,
 }
 

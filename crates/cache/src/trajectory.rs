@@ -7,8 +7,8 @@
 //! | `time` | float64 | frame | simulated seconds |
 //! | `id` | uint64 | body | stable id, ascending |
 //! | `name` | string | body | empty where a body has none |
-//! | `shape` | uint32 | body | index of the shape |
-//! | `scale` | float32 | body | size relative to the shape |
+//! | `shape` | uint32 | body | index of the shape, the scale included |
+//! | `scale` | float32 | body | factor between the shape that the scene describes and the body's |
 //!
 //! A body that is not in the world at a frame is NaN there. The arrays grow with the run, and `time` grows last: its
 //! length is the number of frames that are complete, whatever happened to the program. Every file is written whole
@@ -98,8 +98,20 @@ impl TrajectoryWriter {
             Layout { store: &store, shape: vec![bodies as u64], chunk: vec![chunk as u64], names: &["body"] };
         body.write("id", data_type::uint64(), 0u64, "stable id of the body", &table.ids)?;
         body.write("name", data_type::string(), "", "name of the body, empty without", &table.names)?;
-        body.write("shape", data_type::uint32(), 0u32, "index of the body's shape", &table.shapes)?;
-        body.write("scale", data_type::float32(), f32::NAN, "size relative to the shape", &table.scales)?;
+        body.write(
+            "shape",
+            data_type::uint32(),
+            0u32,
+            "index of the body's shape; bodies of another scale have another one",
+            &table.shapes,
+        )?;
+        body.write(
+            "scale",
+            data_type::float32(),
+            f32::NAN,
+            "factor between the shape that the scene describes and the body's",
+            &table.scales,
+        )?;
 
         let moving = |last: usize, names| Layout {
             store: &store,

@@ -7,8 +7,10 @@ use std::path::PathBuf;
 /// Simulates very many rigid bodies in hard contact.
 #[derive(Debug, Parser)]
 #[command(name = "rockfall", version, propagate_version = true, max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 wrong scene, 4 another hash than \
-expected, 130 interrupted.")]
+#[command(
+    after_help = "Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 wrong scene, 4 another hash than \
+expected, 130 interrupted."
+)]
 pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -39,14 +41,14 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     pub(crate) no_output: bool,
     /// Steps to simulate [default: the scene's].
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(crate) frames: Option<u64>,
     /// Threads [default: as many as the machine has]. Never changes the result.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub(crate) threads: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
     /// SIMD lanes [default: as many as the machine has]. Never changes the result.
-    #[arg(long, value_name = "N", value_parser = ["1", "4", "8", "16"])]
-    pub(crate) lanes: Option<String>,
+    #[arg(long, value_name = "N", value_parser = lanes)]
+    pub(crate) lanes: Option<usize>,
     /// How contacts are answered [default: the scene's].
     #[arg(long, value_name = "NAME")]
     pub(crate) solver: Option<SolverName>,
@@ -110,6 +112,14 @@ pub(crate) fn solver_name(solver: Solver) -> &'static str {
         Solver::SoftStep => "soft-step",
         Solver::Impulse => "impulse",
         Solver::Reflect => "reflect",
+    }
+}
+
+/// A number of lanes that there is.
+fn lanes(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(lanes @ (1 | 4 | 8 | 16)) => Ok(lanes),
+        _ => Err("expected 1, 4, 8 or 16".into()),
     }
 }
 

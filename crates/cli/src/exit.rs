@@ -1,6 +1,8 @@
 //! How the program ends.
 
 use crate::say;
+use rockfall_scene::SceneError;
+use std::io::{IsTerminal, stderr};
 use std::process::ExitCode;
 
 /// Why the program did not do what it was asked for. Each has its exit code; `docs/run.md` lists them.
@@ -47,6 +49,12 @@ impl Failure {
 
 /// What shells expect of a program that Ctrl-C ended: 128 + SIGINT.
 pub(crate) const INTERRUPTED: u8 = 130;
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::Scene(error.render(stderr().is_terminal()))
+    }
+}
 
 impl From<rockfall_cache::Error> for Failure {
     fn from(error: rockfall_cache::Error) -> Self {
