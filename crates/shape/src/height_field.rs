@@ -177,7 +177,7 @@ impl HeightField {
             let cells = f64::from(samples - 1);
             let u = f64::from(x) / f64::from(step) + 0.5 * cells;
             let cell = u.floor().min(cells - 1.0);
-            ((0.0..=cells).contains(&u)).then(|| (cell as u32, u - cell))
+            (0.0..=cells).contains(&u).then_some((cell as u32, u - cell))
         };
         let (i, u) = place(x, self.columns, self.spacing.x)?;
         let (j, v) = place(y, self.rows, self.spacing.y)?;

@@ -87,7 +87,7 @@ impl Shape {
             Shape::Hull(hull) => Ok(hull.check()?),
             Shape::HalfSpace { normal, offset } => {
                 let length = normal.length();
-                if !((length - 1.0).abs() <= 1e-5) {
+                if !(1.0 - 1e-5..=1.0 + 1e-5).contains(&length) {
                     let expected = "1: a unit vector";
                     return Err(ShapeError::Size {
                         shape,

@@ -52,15 +52,13 @@ fn turn(a: &mut [[f64; 3]; 3], axes: &mut [f64; 4], k: usize) {
     let t = tau.signum() / (tau.abs() + (1.0 + tau * tau).sqrt());
     let c = 1.0 / (1.0 + t * t).sqrt();
     let s = t * c;
-    for row in 0..3 {
-        let (x, y) = (a[row][p], a[row][q]);
-        a[row][p] = c * x - s * y;
-        a[row][q] = s * x + c * y;
+    for row in a.iter_mut() {
+        let (x, y) = (row[p], row[q]);
+        (row[p], row[q]) = (c * x - s * y, s * x + c * y);
     }
-    for column in 0..3 {
-        let (x, y) = (a[p][column], a[q][column]);
-        a[p][column] = c * x - s * y;
-        a[q][column] = s * x + c * y;
+    let (x, y) = (a[p], a[q]);
+    for i in 0..3 {
+        (a[p][i], a[q][i]) = (c * x[i] - s * y[i], s * x[i] + c * y[i]);
     }
     // The new axes are p' = c p - s q and q' = s p + c q: a turn by -θ about axis k, after the turns so far.
     let half = (0.5 * (1.0 + c)).sqrt();
