@@ -89,6 +89,8 @@ columns! {
     frames: Quat = Quat::IDENTITY,
     /// Inverse principal moments, 1/(kg m²).
     inverse_moments: Vec3 = Vec3::ZERO,
+    /// Distance from the centre of mass to the farthest point, metres.
+    radii: f32 = 0.0,
     /// Centre of mass in the frame of the shape, metres.
     centers: Vec3 = Vec3::ZERO,
     /// Linear and angular, 1/s.
@@ -135,7 +137,8 @@ impl Bodies {
             return Mat3::from_diagonal(moments);
         }
         let axes = Mat3::from_quat(rotation::compose(self.rotations[row], self.frames[row]));
-        let scaled = Mat3::from_cols(axes.x_axis * moments.x, axes.y_axis * moments.y, axes.z_axis * moments.z);
+        let scaled =
+            Mat3::from_cols(axes.x_axis * moments.x, axes.y_axis * moments.y, axes.z_axis * moments.z);
         let mut m = scaled * axes.transpose();
         for axis in 0..3 {
             // A rotation that is locked is a constraint; its impulse is eliminated (Schur complement).
@@ -178,6 +181,7 @@ pub(crate) struct Mass {
     pub(crate) inverse_moments: Vec3,
     pub(crate) frame: Quat,
     pub(crate) center: Vec3,
+    pub(crate) radius: f32,
 }
 
 impl BodyRow {
@@ -204,6 +208,7 @@ impl BodyRow {
             lines: line,
             frames: mass.frame,
             inverse_moments: if moves { mass.inverse_moments } else { Vec3::ZERO },
+            radii: mass.radius,
             centers: mass.center,
             dampings: [body.linear_damping, body.angular_damping],
             locks,

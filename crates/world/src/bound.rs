@@ -6,6 +6,7 @@
 use crate::bodies::{Bodies, State};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
+use rockfall_math::{Aabb, Mat3, Vec3};
 use rockfall_solve::line::Role;
 
 /// Reach of a body at rest, as a share of its inner radius. Contacts are made before bodies touch, so that a pile's
@@ -24,12 +25,18 @@ const STEPS: f32 = 3.0;
 
 /// Updates what follows from the poses. The result holds, row by row, whether the body has a new box; `all` renews every
 /// box.
-pub(crate) fn bound(bodies: &mut Bodies, shapes: &[Shape], settings: &Settings, all: bool, moved: &mut Vec<bool>) {
+pub(crate) fn bound(
+    bodies: &mut Bodies,
+    shapes: &[Shape],
+    settings: &Settings,
+    all: bool,
+    moved: &mut Vec<bool>,
+) {
     let dt = 1.0 / settings.rate;
     let rows = bodies.rows();
     moved.clear();
     moved.resize(rows, false);
-    let inertias: Vec<Option<rockfall_math::Mat3>> = (0..rows)
+    let inertias: Vec<Option<Mat3>> = (0..rows)
         .into_par_iter()
         .with_min_len(256)
         .map(|row| {
@@ -37,8 +44,7 @@ pub(crate) fn bound(bodies: &mut Bodies, shapes: &[Shape], settings: &Settings, 
             turns.then(|| bodies.world_inverse_inertia(row))
         })
         .collect();
-    let poses = |row: usize| bodies.shape_pose(row);
-    let renewed: Vec<Option<(f32, rockfall_math::Aabb, bool)>> = (1..rows)
+    let renewed: Vec<Option<(f32, Aabb, bool)>> = (1..rows)
         .into_par_iter()
         .with_min_len(256)
         .map(|row| {
@@ -47,14 +53,14 @@ pub(crate) fn bound(bodies: &mut Bodies, shapes: &[Shape], settings: &Settings, 
             if !all && !mover {
                 return None;
             }
-            let pose = poses(row);
+            let pose = bodies.shape_pose(row);
             if !bodies.is_mover(row) {
                 return Some((0.0, shape.placed_bounds(&pose), true));
             }
-            let inner = shape.inner_radius();
+            // A kinematic surface has no inner radius, or an infinite one; its partners reach for it.
+            let inner = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
             let line = &bodies.lines[row];
-            let radius = shape.radius_about(bodies.centers[row]);
-            let speed = line.velocity().length() + line.angular_velocity().length() * radius;
+            let speed = line.velocity().length() + line.angular_velocity().length() * bodies.radii[row];
             let reach = REACH * inner + (speed * dt).min(FAST_REACH * inner);
             let tight = shape.placed_bounds(&pose).grown(reach);
             let old = bodies.boxes[row];
@@ -63,8 +69,8 @@ pub(crate) fn bound(bodies: &mut Bodies, shapes: &[Shape], settings: &Settings, 
             }
             let way = line.velocity() * (STEPS * dt);
             let mut fat = tight.grown(ROOM * inner);
-            fat.min += way.min(rockfall_math::Vec3::ZERO);
-            fat.max += way.max(rockfall_math::Vec3::ZERO);
+            fat.min += way.min(Vec3::ZERO);
+            fat.max += way.max(Vec3::ZERO);
             Some((reach, fat, true))
         })
         .collect();

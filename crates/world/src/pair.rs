@@ -4,8 +4,8 @@
 //! kept; those of the others are found again by a query each. Nothing is said about pairs that ended: they are the ones
 //! that were not found.
 
-use crate::bodies::{Bodies, State};
 use crate::Kind;
+use crate::bodies::{Bodies, State};
 use crate::index::Index;
 use rayon::prelude::*;
 use rockfall_solve::{FIXED, row_of};

@@ -128,7 +128,8 @@ fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, cache: &mut Cache
 }
 
 fn is_finite(local: &Local) -> bool {
-    local.normal.is_finite() && local.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite())
+    local.normal.is_finite()
+        && local.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite())
 }
 
 /// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes.
