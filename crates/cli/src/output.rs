@@ -3,9 +3,9 @@
 use crate::args::RunArgs;
 use crate::exit::Failure;
 use crate::open;
+use rockfall::math::DVec3;
 use rockfall::{StepReport, World};
 use rockfall_cache::{BodyTable, Frame, RunFolder, RunWriter, SUMMARY, Summary};
-use rockfall_math::DVec3;
 use rockfall_scene::{Running, Scene};
 use std::path::Path;
 use std::time::Duration;
