@@ -76,8 +76,10 @@ fn main() {
             .collect::<Vec<_>>()
     };
     let apart = |r: &mut Random| 1.6 * r.vector().normalize() + 0.1 * r.vector();
-    let stacked = |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(0.995, 1.0));
-    let hovering = |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(1.002, 1.01));
+    let stacked =
+        |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(0.995, 1.0));
+    let hovering =
+        |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(1.002, 1.01));
     let pile = |r: &mut Random| 1.12 * r.vector().normalize();
     measure("box-box apart", &set(&cube, &cube, 1.0, &apart), 0.02);
     measure("box-box stacked", &set(&cube, &cube, 1e-3, &stacked), 0.02);

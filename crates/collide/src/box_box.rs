@@ -86,7 +86,9 @@ pub(crate) fn collide(
     let same = 5e-7 * (a.max_element() + b.max_element() + b_in_a.translation.abs().max_element());
     let other = if face == face_a { face_b } else { face_a };
     for face in [face, other] {
-        if apart - separations[face] <= preference(smaller, 0.0).max(same) && boxes.reaches(face, apart + same) {
+        if apart - separations[face] <= preference(smaller, 0.0).max(same)
+            && boxes.reaches(face, apart + same)
+        {
             out.push(boxes.over_face(face, SLACK * smaller, margin, apart));
             return;
         }
@@ -151,7 +153,8 @@ impl Boxes {
                 }
                 let along = x * t[q] - y * t[p];
                 let of_a = x.abs() * a[q] + y.abs() * a[p];
-                let of_b = (x * r[q][u] - y * r[p][u]).abs() * b[u] + (x * r[q][v] - y * r[p][v]).abs() * b[v];
+                let of_b =
+                    (x * r[q][u] - y * r[p][u]).abs() * b[u] + (x * r[q][v] - y * r[p][v]).abs() * b[v];
                 (along.abs() - (of_a + of_b)) / squared.sqrt()
             }
         }
@@ -234,7 +237,8 @@ impl Boxes {
         if count == 0 {
             // Rounding took the whole face: its lowest corner remains.
             let corners = facing.corners();
-            let lowest = corners.iter().fold(&corners[0], |m, c| if c.position.z < m.position.z { c } else { m });
+            let lowest =
+                corners.iter().fold(&corners[0], |m, c| if c.position.z < m.position.z { c } else { m });
             points[0] = point(lowest, least);
             count = 1;
         }

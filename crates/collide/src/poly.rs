@@ -153,7 +153,8 @@ mod tests {
             let corners: Vec<Vec3> = poly.face(f).iter().map(|&v| poly.vertices[v as usize]).collect();
             for k in 0..4 {
                 assert_eq!(poly.normals[f].dot(corners[k]), poly.offsets[f]);
-                let turn = (corners[(k + 1) % 4] - corners[k]).cross(corners[(k + 2) % 4] - corners[(k + 1) % 4]);
+                let turn =
+                    (corners[(k + 1) % 4] - corners[k]).cross(corners[(k + 2) % 4] - corners[(k + 1) % 4]);
                 assert!((turn.normalize() - poly.normals[f]).length() < 1e-6);
             }
         }

@@ -60,7 +60,10 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     let axis = sat::least_overlap(a, b, b_in_a).least;
     let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis)
         .unwrap_or_else(|| single(&axis, corner(a, b, b_in_a, &axis)));
-    let at = manifold.points().iter().fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
+    let at = manifold
+        .points()
+        .iter()
+        .fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
     let half = 0.5 * axis.separation * axis.normal;
     Closest {
         distance: axis.separation,
@@ -90,7 +93,8 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
         return closest.manifold();
     }
     // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
-    let kind = if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
+    let kind =
+        if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
     let axis = Axis { normal, separation: closest.distance, kind };
     let slack = SLACK * a.inner_radius.min(b.inner_radius);
     let mut points = over_face(a, b, b_in_a, margin, slack, &axis);
@@ -102,14 +106,7 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
 }
 
 /// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
-fn overlap(
-    a: &Poly,
-    b: &Poly,
-    b_in_a: &Isometry,
-    margin: f32,
-    slack: f32,
-    axis: &Axis,
-) -> Option<Manifold> {
+fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
     if let Kind::Edges(i, j) = axis.kind {
         return Some(single(axis, crossing(a, b, b_in_a, axis, i, j)));
     }
@@ -149,7 +146,8 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axi
             (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
         }
     };
-    let polygon = clip::clip(clip::incident(incident.iter().copied()), &reference, outward, axis.normal, slack);
+    let polygon =
+        clip::clip(clip::incident(incident.iter().copied()), &reference, outward, axis.normal, slack);
 
     // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.
     let lean = outward.dot(axis.normal);

@@ -103,7 +103,8 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
             manifold.count += 1;
         }
     }
-    if manifold.count == 0 || manifold.deepest() > nearest.distance + TOUCH * (a.half_length + b.half_length) {
+    if manifold.count == 0 || manifold.deepest() > nearest.distance + TOUCH * (a.half_length + b.half_length)
+    {
         manifold.points[manifold.count as usize] = nearest.point();
         manifold.count += 1;
     }
@@ -166,7 +167,8 @@ mod tests {
     #[test]
     fn parallel_capsules_touch_at_both_ends_of_their_common_stretch() {
         let capsule = Capsule { half_length: 1.0, radius: 0.25 };
-        let m = capsules_manifold(capsule, capsule, &at(Vec3::new(0.5, 0.0, 0.5), Quat::IDENTITY), 0.1).unwrap();
+        let m =
+            capsules_manifold(capsule, capsule, &at(Vec3::new(0.5, 0.0, 0.5), Quat::IDENTITY), 0.1).unwrap();
         assert_eq!((m.count, m.normal), (2, Vec3::X));
         assert_eq!(m.points[0].position, Vec3::new(0.25, 0.0, -0.5));
         assert_eq!(m.points[1].position, Vec3::new(0.25, 0.0, 1.0));

@@ -58,7 +58,8 @@ impl Random {
         }
     }
 
-    /// A shape of the class: 0 sphere, 1 box, 2 capsule, 3 hull, 4 half-space.
+    /// A shape of the class: 0 sphere, 1 box, 2 capsule, 3 hull, 4 half-space,
+    /// 5 plate or needle down to 0.3 mm, 6 hull of 16 to 32 corners.
     pub(crate) fn shape(&mut self, class: usize) -> Shape {
         match class {
             0 => Shape::Sphere { radius: self.between(0.2, 1.0) },
@@ -72,6 +73,17 @@ impl Random {
             }
             3 => {
                 let corners = 5 + (self.word() % 8) as usize;
+                self.hull(corners)
+            }
+            5 => Shape::Box {
+                half: Vec3::new(
+                    10.0_f32.powf(self.between(-3.8, 0.0)),
+                    10.0_f32.powf(self.between(-3.8, 0.0)),
+                    self.between(0.3, 1.0),
+                ),
+            },
+            6 => {
+                let corners = 16 + (self.word() % 17) as usize;
                 self.hull(corners)
             }
             _ => Shape::HalfSpace { normal: self.direction(), offset: self.between(-1.0, 1.0) },
@@ -90,7 +102,9 @@ pub(crate) struct Solid {
 
 fn place(pose: &Isometry, p: Vec3) -> DVec3 {
     let (r, p) = (&pose.rotation, p.as_dvec3());
-    r.x_axis.as_dvec3() * p.x + r.y_axis.as_dvec3() * p.y + r.z_axis.as_dvec3() * p.z
+    r.x_axis.as_dvec3() * p.x
+        + r.y_axis.as_dvec3() * p.y
+        + r.z_axis.as_dvec3() * p.z
         + pose.translation.as_dvec3()
 }
 
@@ -147,7 +161,8 @@ impl Solid {
 
     /// How far a point is out of the solid, at least: exact inside and beyond faces.
     pub(crate) fn height(&self, p: DVec3) -> f64 {
-        let beyond = self.normals.iter().map(|&n| n.dot(p) - self.furthest(n)).fold(f64::NEG_INFINITY, f64::max);
+        let beyond =
+            self.normals.iter().map(|&n| n.dot(p) - self.furthest(n)).fold(f64::NEG_INFINITY, f64::max);
         match self.corners[..] {
             [c] => p.distance(c) - self.skin,
             [c, d] if self.normals.is_empty() => point_segment(p, c, d) - self.skin,
