@@ -256,13 +256,16 @@ impl Hull {
     }
 }
 
-/// Corners and face loops of the convex hull, `None` if no faces can be merged at this tolerance.
+/// Corners and the loops of the faces.
+type Faceted = (Vec<Vec3>, Vec<Vec<u32>>);
+
+/// Corners and loops of the convex hull, `None` if no faces can be merged at this tolerance.
 fn polyhedron(
     points: &[Vec3],
     max_vertices: usize,
     whole: f64,
     tolerance: f64,
-) -> Result<Option<(Vec<Vec3>, Vec<Vec<u32>>)>, HullError> {
+) -> Result<Option<Faceted>, HullError> {
     // Adding zero turns -0 into 0, so that equal points have equal bits.
     let mut kept: Vec<DVec3> = points.iter().map(|p| (*p + Vec3::ZERO).as_dvec3()).collect();
     loop {

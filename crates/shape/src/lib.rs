@@ -4,14 +4,22 @@
 
 #![forbid(unsafe_code)]
 
+mod bounds;
+mod extent;
 mod height_field;
 mod hull;
+mod kind;
+mod mass;
 mod mesh;
 mod polyhedron;
+mod principal;
 
-pub use height_field::HeightField;
+pub use bounds::UNBOUNDED;
+pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
-pub use mesh::{EdgeKind, Mesh};
+pub use kind::ShapeError;
+pub use mass::MassProperties;
+pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport};
 
 use rockfall_math::Vec3;
 use std::sync::Arc;

@@ -157,8 +157,8 @@ fn mark_idle(points: &[DVec3], corners: &[u32], normal: DVec3, least: f64, dropp
         let line = c - a;
         // Height of b over the line from a to c, to the right of it, which is outside.
         let height = (b - a).cross(line).dot(normal) / line.length();
-        // NaN, where a and c coincide, counts as idle as well.
-        if !(height >= least) {
+        // NaN where a and c coincide.
+        if height < least || height.is_nan() {
             dropped[v as usize] = true;
         }
     }

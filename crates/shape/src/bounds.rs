@@ -1,0 +1,166 @@
+//! Boxes around shapes, at rest in their own frame and placed in the world.
+
+use crate::{Hull, Shape};
+use rockfall_math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
+
+/// Half-spaces have no end; their boxes reach to this coordinate, metres: finite, so that sums and areas of boxes
+/// are, and beyond every place in the world.
+pub const UNBOUNDED: f32 = 1e15;
+
+impl Shape {
+    /// The smallest box around the shape in its own frame; see [`Shape::placed_bounds`] for half-spaces.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Shape::Sphere { radius } => symmetric(Vec3::splat(*radius)),
+            Shape::Box { half } => symmetric(*half),
+            Shape::Capsule { half_length, radius } => {
+                symmetric(Vec3::new(*radius, *radius, *half_length + *radius))
+            }
+            Shape::Hull(hull) => hull.bounds,
+            Shape::HalfSpace { normal, offset } => half_space(*normal, f64::from(*offset)),
+            Shape::Mesh(mesh) => mesh.bounds,
+            Shape::HeightField(field) => field.bounds,
+        }
+    }
+
+    /// A box around the shape placed in the world, rounded outwards. The smallest one for spheres, boxes, capsules
+    /// and hulls (up to a millionth of their size); for turned meshes and height fields the one around their turned
+    /// box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface where its normal is along
+    /// an axis.
+    pub fn placed_bounds(&self, pose: &Pose) -> Aabb {
+        match self {
+            Shape::Sphere { radius } => around(pose.position, Vec3::splat(*radius)),
+            Shape::Box { half } => {
+                let r = matrix(pose);
+                let reach = r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z;
+                around(pose.position, reach + Vec3::splat(rounding(*half)))
+            }
+            Shape::Capsule { half_length, radius } => {
+                let axis = rotation::rotate(pose.rotation, Vec3::Z * *half_length);
+                around(pose.position, axis.abs() + Vec3::splat(*radius + rounding(axis.abs())))
+            }
+            Shape::Hull(hull) => placed_hull(hull, pose),
+            Shape::HalfSpace { normal, offset } => {
+                let turned = rotation::rotate(pose.rotation, *normal);
+                half_space(turned, f64::from(*offset) + turned.as_dvec3().dot(pose.position))
+            }
+            Shape::Mesh(_) | Shape::HeightField(_) => {
+                let local = self.bounds();
+                local.grown(rounding(local.min.abs().max(local.max.abs()))).placed(pose)
+            }
+        }
+    }
+}
+
+/// What a rotation in single precision may add to coordinates up to `size`.
+fn rounding(size: Vec3) -> f32 {
+    4.0 * f32::EPSILON * size.max_element()
+}
+
+fn matrix(pose: &Pose) -> Mat3 {
+    pose.isometry_from(pose.position).rotation
+}
+
+fn symmetric(half: Vec3) -> Aabb {
+    Aabb::new(-half, half)
+}
+
+fn around(center: DVec3, half: Vec3) -> Aabb {
+    Aabb::around(center - half.as_dvec3(), center + half.as_dvec3())
+}
+
+fn placed_hull(hull: &Hull, pose: &Pose) -> Aabb {
+    let turn = matrix(pose);
+    let turned = Aabb::from_points(hull.vertices.iter().map(|v| turn * *v));
+    let margin = DVec3::splat(f64::from(rounding(hull.bounds.min.abs().max(hull.bounds.max.abs()))));
+    let min = pose.position + turned.min.as_dvec3() - margin;
+    let max = pose.position + turned.max.as_dvec3() + margin;
+    Aabb::around(min, max)
+}
+
+fn half_space(normal: Vec3, offset: f64) -> Aabb {
+    let mut whole = symmetric(Vec3::splat(UNBOUNDED));
+    let surface = Aabb::around(DVec3::splat(offset), DVec3::splat(offset)).grown(0.0);
+    for axis in 0..3 {
+        let mut e = Vec3::ZERO;
+        e[axis] = 1.0;
+        if normal == e {
+            whole.max[axis] = surface.max[axis];
+        } else if normal == -e {
+            whole.min[axis] = -surface.max[axis];
+        }
+    }
+    whole
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_core::{Rng, SeedableRng};
+    use rockfall_math::Quat;
+    use std::sync::Arc;
+
+    fn poses() -> Vec<Pose> {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut next = move || (rng.next_u32() >> 8) as f32 / (1 << 23) as f32 - 1.0;
+        (0..200)
+            .map(|i| Pose {
+                position: DVec3::new(next().into(), next().into(), next().into()) * f64::from(1 << (i % 20)),
+                rotation: rotation::normalize(Quat::from_xyzw(next(), next(), next(), next())),
+            })
+            .collect()
+    }
+
+    /// The box must contain the exact one and exceed it by rounding only.
+    fn assert_tight(shape: &Shape, corners: &[Vec3], radius: f32) {
+        for pose in poses() {
+            let q = pose.rotation.as_dquat();
+            let placed: Vec<DVec3> = corners.iter().map(|c| pose.position + q * c.as_dvec3()).collect();
+            let r = DVec3::splat(f64::from(radius));
+            let min = placed.iter().fold(DVec3::INFINITY, |m, p| m.min(*p)) - r;
+            let max = placed.iter().fold(DVec3::NEG_INFINITY, |m, p| m.max(*p)) + r;
+            let found = shape.placed_bounds(&pose);
+            let low = min - found.min.as_dvec3();
+            let high = found.max.as_dvec3() - max;
+            let allowed =
+                2e-6 * f64::from(shape.radius_about(Vec3::ZERO)) + 2e-7 * pose.position.abs().max_element();
+            for gap in [low.to_array(), high.to_array()].concat() {
+                assert!((0.0..allowed).contains(&gap), "{} {gap} {allowed}", shape.name());
+            }
+        }
+    }
+
+    #[test]
+    fn placed_bounds_are_tight_and_never_too_small() {
+        let half = Vec3::new(0.5, 2.0, 0.25);
+        let corners = Hull::cuboid(half).vertices;
+        assert_tight(&Shape::Box { half }, &corners, 0.0);
+        assert_tight(&Shape::Hull(Arc::new(Hull::cuboid(half))), &corners, 0.0);
+        assert_tight(&Shape::Sphere { radius: 0.7 }, &[Vec3::ZERO], 0.7);
+        assert_tight(
+            &Shape::Capsule { half_length: 1.5, radius: 0.2 },
+            &[1.5 * Vec3::Z, -1.5 * Vec3::Z],
+            0.2,
+        );
+    }
+
+    #[test]
+    fn bounds_in_its_own_frame() {
+        let shape = Shape::Capsule { half_length: 2.0, radius: 0.5 };
+        assert_eq!(shape.bounds(), symmetric(Vec3::new(0.5, 0.5, 2.5)));
+        assert_eq!(Shape::Sphere { radius: 0.5 }.bounds(), symmetric(Vec3::splat(0.5)));
+    }
+
+    #[test]
+    fn a_half_space_ends_at_its_surface_only_along_an_axis() {
+        let floor = Shape::HalfSpace { normal: Vec3::Z, offset: 2.0 };
+        let b = floor.placed_bounds(&Pose::at(DVec3::new(5.0, 5.0, 1.0)));
+        assert_eq!(b, Aabb::new(Vec3::splat(-UNBOUNDED), Vec3::new(UNBOUNDED, UNBOUNDED, 3.0)));
+        let ceiling = Shape::HalfSpace { normal: -Vec3::Z, offset: -4.0 };
+        assert_eq!(ceiling.bounds().min.z, 4.0);
+        let slope = Shape::HalfSpace { normal: Vec3::new(0.6, 0.0, 0.8), offset: 0.0 };
+        assert_eq!(slope.bounds(), symmetric(Vec3::splat(UNBOUNDED)));
+        assert!(slope.bounds().is_valid());
+    }
+}

@@ -1,0 +1,110 @@
+//! How far shapes reach: support points, outer and inner radius.
+
+use crate::{Hull, Shape};
+use rockfall_math::Vec3;
+
+impl Shape {
+    /// The point of a bounded convex shape that is farthest along `direction`, which need not be of unit length. The
+    /// first corner wins a tie. `None` for half-spaces, meshes and height fields.
+    pub fn support(&self, direction: Vec3) -> Option<Vec3> {
+        match self {
+            Shape::Sphere { radius } => Some(direction.normalize_or_zero() * *radius),
+            Shape::Box { half } => Some(Vec3::select(direction.cmplt(Vec3::ZERO), -*half, *half)),
+            Shape::Capsule { half_length, radius } => {
+                let center = if direction.z < 0.0 { -*half_length } else { *half_length };
+                Some(Vec3::Z * center + direction.normalize_or_zero() * *radius)
+            }
+            Shape::Hull(hull) => Some(hull.vertices[hull.support(direction)]),
+            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => None,
+        }
+    }
+
+    /// Distance from `center` to the farthest point of the shape, metres; infinite for half-spaces.
+    pub fn radius_about(&self, center: Vec3) -> f32 {
+        let farthest = |points: &mut dyn Iterator<Item = Vec3>| {
+            points.map(|p| (p - center).length_squared()).fold(0.0, f32::max).sqrt()
+        };
+        match self {
+            Shape::Sphere { radius } => center.length() + radius,
+            Shape::Box { half } => (center.abs() + *half).length(),
+            Shape::Capsule { half_length, radius } => {
+                (center.abs() + Vec3::Z * *half_length).length() + radius
+            }
+            Shape::Hull(hull) => farthest(&mut hull.vertices.iter().copied()),
+            Shape::HalfSpace { .. } => f32::INFINITY,
+            Shape::Mesh(mesh) => farthest(&mut mesh.vertices.iter().copied()),
+            Shape::HeightField(field) => farthest(&mut field.samples()),
+        }
+    }
+
+    /// Radius of a ball that fits inside, metres: a body that moves by less in a step can't pass through a thin wall
+    /// unseen. Infinite for half-spaces, zero for surfaces.
+    pub fn inner_radius(&self) -> f32 {
+        match self {
+            Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
+            Shape::Box { half } => half.min_element(),
+            Shape::Hull(hull) => hull.inner_radius,
+            Shape::HalfSpace { .. } => f32::INFINITY,
+            Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
+        }
+    }
+}
+
+impl Hull {
+    /// The corner that is farthest along `direction`, the first of several.
+    pub fn support(&self, direction: Vec3) -> usize {
+        let mut best = (0, f32::NEG_INFINITY);
+        for (i, v) in self.vertices.iter().enumerate() {
+            let reach = direction.dot(*v);
+            if reach > best.1 {
+                best = (i, reach);
+            }
+        }
+        best.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::Sphere { radius: 0.7 },
+            Shape::Box { half: Vec3::new(0.5, 2.0, 0.25) },
+            Shape::Capsule { half_length: 1.5, radius: 0.2 },
+            Shape::Hull(Arc::new(Hull::cuboid(Vec3::new(1.0, 0.1, 0.3)))),
+        ]
+    }
+
+    #[test]
+    fn support_points_touch_the_box_around_the_shape() {
+        for shape in shapes() {
+            let b = shape.bounds();
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                let high = shape.support(3.0 * axis).unwrap().dot(axis);
+                let low = shape.support(-axis).unwrap().dot(axis);
+                assert_eq!((low, high), (b.min.dot(axis), b.max.dot(axis)), "{}", shape.name());
+            }
+        }
+        assert_eq!(Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 }.support(Vec3::Z), None);
+    }
+
+    #[test]
+    fn no_support_point_is_outside_the_outer_radius_or_inside_the_inner_one() {
+        for shape in shapes() {
+            let center = Vec3::new(0.1, -0.2, 0.05);
+            let outer = shape.radius_about(center);
+            let mut farthest = 0.0_f32;
+            for i in 0..1000 {
+                let (s, c) = rockfall_math::trig::sin_cos(i as f32);
+                let direction = Vec3::new(s, c, (i as f32) / 500.0 - 1.0).normalize();
+                let p = shape.support(direction).unwrap();
+                farthest = farthest.max((p - center).length());
+                assert!(p.dot(direction) >= shape.inner_radius() * 0.999_999);
+            }
+            assert!(farthest <= outer * 1.000_001 && farthest > 0.9 * outer, "{}", shape.name());
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What kind of shape it is, and whether its numbers make sense.
+
+use crate::{HeightFieldError, HullDefect, LARGEST, MeshError, SMALLEST, Shape};
+
+/// Why a shape is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A size is NaN, zero, negative, too small or too large.
+    #[error("the {what} of the {shape} is {value}, expected {expected}")]
+    Size {
+        /// Kind of shape.
+        shape: &'static str,
+        /// Which number.
+        what: &'static str,
+        /// What it was.
+        value: f32,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// The hull breaks a promise.
+    #[error("the hull is broken: {0}")]
+    Hull(#[from] HullDefect),
+    /// The mesh is not usable.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The height field is not usable.
+    #[error(transparent)]
+    HeightField(#[from] HeightFieldError),
+}
+
+impl Shape {
+    /// The name of the kind of shape, as in "a half-space".
+    pub fn name(&self) -> &'static str {
+        match self {
+            Shape::Sphere { .. } => "sphere",
+            Shape::Box { .. } => "box",
+            Shape::Capsule { .. } => "capsule",
+            Shape::Hull(_) => "hull",
+            Shape::HalfSpace { .. } => "half-space",
+            Shape::Mesh(_) => "mesh",
+            Shape::HeightField(_) => "height field",
+        }
+    }
+
+    /// Whether the straight line between any two points of the shape stays in it. Half-spaces are convex.
+    pub fn is_convex(&self) -> bool {
+        !matches!(self, Shape::Mesh(_) | Shape::HeightField(_))
+    }
+
+    /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the half-space, and
+    /// closed meshes whose normals point outwards.
+    pub fn has_inside(&self) -> bool {
+        self.mass_properties(1.0).is_some()
+    }
+
+    /// Whether all numbers make sense: sizes from [`SMALLEST`] to [`LARGEST`], unit normals, columns that fit each
+    /// other. Hulls are checked in full ([`Hull::check`](crate::Hull::check)).
+    ///
+    /// # Errors
+    /// The first number that does not.
+    pub fn validate(&self) -> Result<(), ShapeError> {
+        let shape = self.name();
+        let size = |what, value: f32| match (SMALLEST..=LARGEST).contains(&value) {
+            true => Ok(()),
+            false => Err(ShapeError::Size { shape, what, value, expected: "a length from 1e-6 m to 1e6 m" }),
+        };
+        match self {
+            Shape::Sphere { radius } => size("radius", *radius),
+            Shape::Box { half } => {
+                size("half extent x", half.x)?;
+                size("half extent y", half.y)?;
+                size("half extent z", half.z)
+            }
+            Shape::Capsule { half_length, radius } => {
+                size("radius", *radius)?;
+                match (0.0..=LARGEST).contains(half_length) {
+                    true => Ok(()),
+                    false => Err(ShapeError::Size {
+                        shape,
+                        what: "half length",
+                        value: *half_length,
+                        expected: "a length from 0 to 1e6 m",
+                    }),
+                }
+            }
+            Shape::Hull(hull) => Ok(hull.check()?),
+            Shape::HalfSpace { normal, offset } => {
+                let length = normal.length();
+                if !(1.0 - 1e-5..=1.0 + 1e-5).contains(&length) {
+                    let expected = "1: a unit vector";
+                    return Err(ShapeError::Size {
+                        shape,
+                        what: "length of the normal",
+                        value: length,
+                        expected,
+                    });
+                }
+                match (-LARGEST..=LARGEST).contains(offset) {
+                    true => Ok(()),
+                    false => Err(ShapeError::Size {
+                        shape,
+                        what: "offset",
+                        value: *offset,
+                        expected: "a distance from -1e6 m to 1e6 m",
+                    }),
+                }
+            }
+            Shape::Mesh(mesh) => Ok(mesh.check()?),
+            Shape::HeightField(field) => Ok(field.check()?),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Hull;
+    use rockfall_math::Vec3;
+    use std::sync::Arc;
+
+    fn message(shape: Shape) -> String {
+        shape.validate().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn sizes_that_make_no_sense_are_refused() {
+        let expected = "expected a length from 1e-6 m to 1e6 m";
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-7, 1e7] {
+            assert_eq!(
+                message(Shape::Sphere { radius }),
+                format!("the radius of the sphere is {radius}, {expected}")
+            );
+        }
+        assert_eq!(
+            message(Shape::Box { half: Vec3::new(1.0, -2.0, 1.0) }),
+            format!("the half extent y of the box is -2, {expected}")
+        );
+        assert_eq!(
+            message(Shape::Capsule { half_length: -0.5, radius: 1.0 }),
+            "the half length of the capsule is -0.5, expected a length from 0 to 1e6 m"
+        );
+        assert_eq!(
+            message(Shape::HalfSpace { normal: Vec3::splat(1.0), offset: 0.0 }),
+            "the length of the normal of the half-space is 1.7320508, expected 1: a unit vector"
+        );
+        assert_eq!(
+            message(Shape::HalfSpace { normal: Vec3::NAN, offset: 0.0 }),
+            "the length of the normal of the half-space is NaN, expected 1: a unit vector"
+        );
+        assert_eq!(
+            message(Shape::HalfSpace { normal: Vec3::Z, offset: f32::NAN }),
+            "the offset of the half-space is NaN, expected a distance from -1e6 m to 1e6 m"
+        );
+        let mut hull = Hull::cuboid(Vec3::ONE);
+        hull.vertices[3].z = f32::NAN;
+        assert_eq!(message(Shape::Hull(Arc::new(hull))), "the hull is broken: a number is not finite");
+    }
+
+    #[test]
+    fn sizes_that_make_sense_pass() {
+        assert_eq!(Shape::Sphere { radius: 1.0 }.validate(), Ok(()));
+        assert_eq!(Shape::Box { half: Vec3::ONE }.validate(), Ok(()));
+        assert_eq!(Shape::Capsule { half_length: 0.0, radius: 1.0 }.validate(), Ok(()));
+        assert_eq!(Shape::HalfSpace { normal: Vec3::Z, offset: -3.0 }.validate(), Ok(()));
+        assert_eq!(Shape::Hull(Arc::new(Hull::cuboid(Vec3::ONE))).validate(), Ok(()));
+    }
+
+    #[test]
+    fn what_has_an_inside_and_what_is_convex() {
+        let floor = Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 };
+        assert!(floor.is_convex() && !floor.has_inside());
+        assert!(Shape::Sphere { radius: 1.0 }.has_inside());
+    }
+}

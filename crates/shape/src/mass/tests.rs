@@ -1,0 +1,175 @@
+//! Mass properties against closed forms and against parry3d.
+
+use super::*;
+use crate::{Hull, Mesh};
+use parry3d::mass_properties::MassProperties as ParryMass;
+use parry3d::shape::{Shape as _, TriMesh};
+use rand_chacha::ChaCha8Rng;
+use rand_core::{Rng, SeedableRng};
+use std::sync::Arc;
+
+/// Largest difference of the two, as a part of the largest moment (or of mass and size).
+fn error(a: &MassProperties, b: &MassProperties, size: f32) -> f32 {
+    let entries = |m: &Mat3| m.to_cols_array();
+    let largest = entries(&b.inertia).into_iter().fold(0.0, |l: f32, x| l.max(x.abs()));
+    let inertia = entries(&(a.inertia - b.inertia)).into_iter().fold(0.0, |l: f32, x| l.max(x.abs()));
+    let mass = (a.mass - b.mass).abs() / b.mass;
+    (inertia / largest).max(mass).max((a.center - b.center).length() / size)
+}
+
+fn properties(mass: f32, center: Vec3, moments: Vec3) -> MassProperties {
+    MassProperties { mass, center, inertia: Mat3::from_diagonal(moments) }
+}
+
+fn hull(points: &[Vec3]) -> Shape {
+    Shape::Hull(Arc::new(Hull::from_points(points).unwrap()))
+}
+
+/// The triangles of a hull as a mesh.
+fn mesh(hull: &Hull) -> Shape {
+    let vertices: Vec<Vec3> = hull.triangles().flatten().map(|p| p.as_vec3()).collect();
+    let triangles: Vec<[u32; 3]> =
+        (0..vertices.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    Shape::Mesh(Arc::new(Mesh::from_triangles(&vertices, &triangles).unwrap()))
+}
+
+fn random_points(seed: u64, count: usize) -> Vec<Vec3> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut next = move || (rng.next_u32() >> 8) as f32 / (1 << 23) as f32 - 1.0;
+    (0..count).map(|_| Vec3::new(next(), next(), next())).collect()
+}
+
+#[test]
+fn a_box_weighs_the_same_as_box_hull_and_mesh() {
+    let half = Vec3::new(0.5, 1.0, 2.0);
+    // m = 8, m/3 (b² + c²) and so on.
+    let expected = properties(800.0, Vec3::ZERO, Vec3::new(5.0, 4.25, 1.25) * (800.0 / 3.0));
+    let cooked = Hull::cuboid(half);
+    for shape in [Shape::Box { half }, Shape::Hull(Arc::new(cooked.clone())), mesh(&cooked)] {
+        let found = shape.mass_properties(100.0).unwrap();
+        assert!(error(&found, &expected, 1.0) < 1e-6, "{}: {found:?}", shape.name());
+    }
+}
+
+#[test]
+fn a_tetrahedron_matches_its_closed_form() {
+    // Corner at the origin, legs 1: volume 1/6, centre 1/4, second moments about the origin 1/60 (squares) and 1/120
+    // (products), thus about the centre 1/60 - 1/96 = 1/160 and 1/120 - 1/96 = -1/480.
+    let found = hull(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).mass_properties(1.0).unwrap();
+    let (d, p) = (1.0 / 80.0, 1.0 / 480.0);
+    let inertia = Mat3::from_cols(Vec3::new(d, p, p), Vec3::new(p, d, p), Vec3::new(p, p, d));
+    let expected = MassProperties { mass: 1.0 / 6.0, center: Vec3::splat(0.25), inertia };
+    assert!(error(&found, &expected, 1.0) < 1e-6, "{found:?}");
+}
+
+#[test]
+fn a_body_off_the_origin_has_the_same_inertia_about_its_own_centre() {
+    let points = random_points(1, 50);
+    let here = hull(&points).mass_properties(1000.0).unwrap();
+    for shift in [Vec3::new(8.0, -4.0, 2.0), Vec3::new(-128.0, 64.0, 256.0)] {
+        let there =
+            hull(&points.iter().map(|p| *p + shift).collect::<Vec<_>>()).mass_properties(1000.0).unwrap();
+        let back = MassProperties { center: there.center - shift, ..there };
+        assert!(error(&back, &here, 1.0) < 1e-7 * shift.length() + 1e-6, "{back:?} {here:?}");
+    }
+}
+
+#[test]
+fn finer_hulls_of_a_ball_converge_to_it() {
+    let exact = Shape::Sphere { radius: 2.0 }.mass_properties(1.0).unwrap();
+    assert!((exact.mass - 33.510_32).abs() < 1e-4);
+    assert!((exact.inertia.x_axis.x - 0.4 * 33.510_32 * 4.0).abs() < 1e-3);
+    let mut last = 1.0;
+    for count in [50_u16, 200, 800, 3200] {
+        // A spiral of equal areas.
+        let points: Vec<Vec3> = (0..count)
+            .map(|i| {
+                let z = 1.0 - (2.0 * f32::from(i) + 1.0) / f32::from(count);
+                let (s, c) = rockfall_math::trig::sin_cos(2.399_963 * f32::from(i));
+                let r = (1.0 - z * z).sqrt();
+                2.0 * Vec3::new(r * c, r * s, z)
+            })
+            .collect();
+        let e = error(&hull(&points).mass_properties(1.0).unwrap(), &exact, 2.0);
+        assert!(e < 0.3 * last, "{count} corners: {e}, before {last}");
+        last = e;
+    }
+    assert!(last < 0.01);
+}
+
+#[test]
+fn a_capsule_agrees_with_its_pieces_and_with_parry() {
+    for (half_length, radius) in [(0.0, 1.0), (0.5, 0.2), (3.0, 0.01), (0.1, 2.0)] {
+        let found = Shape::Capsule { half_length, radius }.mass_properties(700.0).unwrap();
+        let oracle = parry3d::shape::Capsule::new(-half_length * Vec3::Z, half_length * Vec3::Z, radius);
+        let expected = from_parry(&oracle.mass_properties(700.0));
+        assert!(error(&found, &expected, 1.0) < 2e-6, "{found:?} {expected:?}");
+    }
+    let ball = Shape::Sphere { radius: 1.5 }.mass_properties(1.0).unwrap();
+    let round = Shape::Capsule { half_length: 0.0, radius: 1.5 }.mass_properties(1.0).unwrap();
+    assert!(error(&round, &ball, 1.0) < 1e-6);
+}
+
+fn from_parry(m: &ParryMass) -> MassProperties {
+    MassProperties { mass: m.mass(), center: m.local_com, inertia: m.reconstruct_inertia_matrix() }
+}
+
+#[test]
+fn random_hulls_and_meshes_agree_with_parry() {
+    for seed in 0..100 {
+        let cooked = Hull::from_points(&random_points(seed, 8 + seed as usize)).unwrap();
+        // Its `ConvexPolyhedron` merges faces that are a little bent, which costs up to 1e-3 of the mass.
+        let (corners, triangles) = parry3d::transformation::try_convex_hull(&cooked.vertices).unwrap();
+        let expected = from_parry(&ParryMass::from_convex_polyhedron(1000.0, &corners, &triangles));
+        let as_mesh = mesh(&cooked);
+        let found = Shape::Hull(Arc::new(cooked)).mass_properties(1000.0).unwrap();
+        assert!(error(&found, &expected, 1.0) < 1e-5, "hull {seed}: {found:?} {expected:?}");
+
+        let Shape::Mesh(triangles) = &as_mesh else { unreachable!() };
+        let oracle = TriMesh::new(triangles.vertices.clone(), triangles.triangles.clone()).unwrap();
+        let expected = from_parry(&oracle.mass_properties(1000.0));
+        let found = as_mesh.mass_properties(1000.0).unwrap();
+        assert!(error(&found, &expected, 1.0) < 1e-5, "mesh {seed}: {found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn a_concave_mesh_weighs_what_its_parts_weigh() {
+    // An L: a box of 2 x 1 x 1 with a box of 1 x 1 x 1 on one end, as the outline pushed along y.
+    let outline = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let at = |i: usize, y: f32| Vec3::new(outline[i][0], y, outline[i][1]);
+    let vertices: Vec<Vec3> = (0..12).map(|i| at(i % 6, (i / 6) as f32)).collect();
+    let mut triangles = Vec::new();
+    for [a, b, c] in [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]] {
+        triangles.extend([[a, b, c], [a + 6, c + 6, b + 6]]);
+    }
+    for i in 0..6 {
+        let j = (i + 1) % 6;
+        triangles.extend([[i, i + 6, j], [j, i + 6, j + 6]]);
+    }
+    let mesh = Mesh::from_triangles(&vertices, &triangles).unwrap();
+    assert!(mesh.closed);
+    let found = Shape::Mesh(Arc::new(mesh)).mass_properties(1.0).unwrap();
+    let parts = [
+        (2.0, Vec3::new(1.0, 0.5, 0.5), Vec3::new(2.0, 1.0, 1.0)),
+        (1.0, Vec3::new(0.5, 0.5, 1.5), Vec3::ONE),
+    ];
+    let center = (2.0 * parts[0].1 + parts[1].1) / 3.0;
+    let mut inertia = Mat3::ZERO;
+    for (m, c, s) in parts {
+        let q = s * s;
+        inertia += Mat3::from_diagonal(m / 12.0 * Vec3::new(q.y + q.z, q.z + q.x, q.x + q.y));
+        let d = c - center;
+        let outer = Mat3::from_cols(d.x * d, d.y * d, d.z * d);
+        inertia += m * (d.length_squared() * Mat3::IDENTITY - outer);
+    }
+    assert!(error(&found, &MassProperties { mass: 3.0, center, inertia }, 1.0) < 1e-6, "{found:?} {inertia}");
+}
+
+#[test]
+fn mass_scales_with_density_and_can_be_set() {
+    let shape = hull(&random_points(5, 30));
+    let one = shape.mass_properties(1.0).unwrap();
+    let many = shape.mass_properties(2500.0).unwrap();
+    assert!(error(&one.with_mass(many.mass), &many, 1.0) < 1e-6);
+}

@@ -1,0 +1,77 @@
+//! Sorts the items along the curve and lays out the levels.
+
+use crate::morton::Grid;
+use crate::{Block, MAX_LEVELS, Tree, WIDTH, hilbert};
+use rayon::prelude::*;
+use rockfall_math::{Aabb, Vec3};
+
+/// Boxes that one task keys: less than this is not worth a thread.
+const GRAIN: usize = 2048;
+
+impl Tree {
+    /// Builds a tree over `boxes`, in parallel. Equal places keep the order of the indices.
+    ///
+    /// At most 2³² − 1 boxes have an index.
+    pub fn build(boxes: &[Aabb]) -> Tree {
+        let grid = Grid::new(&populated(boxes));
+        let mut keys: Vec<u128> = boxes
+            .par_iter()
+            .enumerate()
+            .with_min_len(GRAIN)
+            .map(|(item, area)| {
+                let code = if area.min.cmple(area.max).all() {
+                    hilbert(grid.morton(area.center()))
+                } else {
+                    u64::MAX
+                };
+                u128::from(code) << 32 | item as u128
+            })
+            .collect();
+        keys.par_sort_unstable();
+        let order = keys.par_iter().with_min_len(GRAIN).map(|&key| key as u32).collect();
+
+        let mut tree = Tree { order, ..Tree::default() };
+        let mut below = boxes.len();
+        let mut total = 0;
+        while tree.levels < MAX_LEVELS && below > 0 {
+            let count = below.div_ceil(WIDTH);
+            tree.starts[tree.levels] = total;
+            tree.levels += 1;
+            total += count;
+            below = if count > 1 { count } else { 0 };
+        }
+        tree.blocks = vec![Block::EMPTY; total];
+        tree.refit(boxes);
+        tree
+    }
+}
+
+/// The part of space where nearly all boxes are. A few that flew off to infinity must not squeeze the rest into one
+/// cell of the curve, so take the middle of a sample and widen it; what lies outside sorts to the border.
+fn populated(boxes: &[Aabb]) -> Aabb {
+    const SAMPLE: usize = 1024;
+    const WIDER: f32 = 8.0;
+    let step = boxes.len().div_ceil(SAMPLE).max(1);
+    let centres: Vec<Vec3> = boxes.iter().step_by(step).map(Aabb::center).filter(|c| c.is_finite()).collect();
+    if centres.is_empty() {
+        return Aabb::EMPTY;
+    }
+    let (mut min, mut max) = (Vec3::ZERO, Vec3::ZERO);
+    for axis in 0..3 {
+        let mut sorted: Vec<f32> = centres.iter().map(|c| c[axis]).collect();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let cut = sorted.len() / 64;
+        let (low, high) = (sorted[cut], sorted[sorted.len() - 1 - cut]);
+        let reach = (high - low) * WIDER;
+        (min[axis], max[axis]) = (low - reach, high + reach);
+    }
+    let all = boxes
+        .par_iter()
+        .with_min_len(GRAIN)
+        .map(|area| area.center())
+        .filter(|centre| centre.is_finite())
+        .map(|centre| Aabb::new(centre, centre))
+        .reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
+    // Adding zero makes -0 and 0 one, so that the bits don't depend on the order of the reduction.
+    Aabb { min: min.max(all.min) + Vec3::ZERO, max: max.min(all.max) + Vec3::ZERO }
+}
