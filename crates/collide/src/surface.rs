@@ -23,8 +23,8 @@ mod mesh;
 mod round;
 mod solid;
 
+use crate::Manifold;
 use crate::poly::{BoxPoly, Poly};
-use crate::{Manifold, surface};
 use facet::Facet;
 use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
 use rockfall_shape::{EdgeKind, HeightField, Mesh, Shape};
@@ -182,8 +182,9 @@ fn ball<S: Surface>(
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
     }
-    surface::sunk(&placed, &facets, core, radius, &probe, &mut touches);
-    merge::manifolds(&facets, &probe, touches, out);
+    sunk(&placed, &facets, core, radius, &probe, &mut touches);
+    let kept = merge::keep(&facets, &probe, &touches);
+    merge::manifolds(&facets, &probe, kept, out);
 }
 
 /// Boxes and hulls.
@@ -195,11 +196,15 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
     let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
     let mut touches = Vec::new();
-    for i in 0..facets.len() {
-        solid::touch(&placed, &facets, i, a, &probe, &mut touches);
+    let reached: Vec<bool> =
+        (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
+    sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
+    let mut kept = merge::keep(&facets, &probe, &touches);
+    if kept.is_empty() {
+        let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
+        kept.extend(solid::nearest(reached, a, &probe));
     }
-    surface::sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
-    merge::manifolds(&facets, &probe, touches, out);
+    merge::manifolds(&facets, &probe, kept, out);
 }
 
 /// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight

@@ -11,21 +11,22 @@ use rockfall_math::{Isometry, Vec3};
 const SAME: f32 = 0.999_39;
 
 /// Share of A's size from which on a depth needs an explanation.
-const DEEP: f32 = 0.01;
+const DEEP: f32 = 0.004;
 
-/// Appends the manifolds that the contacts make, deepest first.
-pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, out: &mut Vec<Manifold>) {
+/// The contacts that no other triangle explains better.
+pub(super) fn keep(facets: &[Facet], probe: &Probe, touches: &[Touch]) -> Vec<Touch> {
     let is_behind = |t: &Touch| facets[t.facet].height(probe.center) < 0.0;
     // Whoever is in front of the surface is not touched from behind.
     let front =
         touches.iter().any(is_behind) && nearest(facets, probe.center, probe).height(probe.center) > 0.0;
-    let mut kept: Vec<Touch> = touches
-        .iter()
-        .filter(|t| {
-            !(front && is_behind(t) || explained(facets, probe, t) || opposed(facets, probe, &touches, t))
-        })
-        .copied()
-        .collect();
+    let dropped = |t: &Touch| {
+        front && is_behind(t) || explained(facets, probe, t) || opposed(facets, probe, touches, t)
+    };
+    touches.iter().filter(|t| !dropped(t)).copied().collect()
+}
+
+/// Appends the manifolds that the contacts make, deepest first.
+pub(super) fn manifolds(facets: &[Facet], probe: &Probe, mut kept: Vec<Touch>, out: &mut Vec<Manifold>) {
     // Deepest first, so that a group takes its normal from its deepest point.
     kept.sort_by(|a, b| {
         a.distance
