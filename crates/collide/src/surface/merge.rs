@@ -62,7 +62,8 @@ pub(super) fn manifolds(facets: &[Facet], probe: &Probe, mut kept: Vec<Touch>, o
 /// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
 /// reaches over a ridge does not hang from its far side. A thin wall that was pierced still holds.
 fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
-    if !touch.doubtful || -touch.distance <= DEEP * probe.size {
+    let exact = probe.radius > 0.0 && !touch.doubtful;
+    if exact || -touch.distance <= DEEP * probe.size {
         return false;
     }
     let core = touch.on_a + probe.radius * touch.out;
@@ -70,8 +71,8 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
     let sees = |facet: &Facet| facet.height(probe.center) > 0.0;
     let nearest = nearest(facets, core, probe);
     let outside = nearest.height(core) > 0.0;
-    outside && (sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
-        || facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
+    outside && (touch.doubtful && sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
+        || touch.doubtful && facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
 }
 
 /// Whether A's core overlaps the triangle.

@@ -274,7 +274,7 @@ fn under(facet: &Facet, a: &Poly, face: usize, out: Vec3, q: Vec3, height: f32, 
         distance: height,
         feature: facet.own_feature(4, face, name),
         facet: 0,
-        doubtful: true,
+        doubtful: false,
     }
 }
 
@@ -341,7 +341,7 @@ fn beyond(facet: &Facet, a: &Poly, edge: usize, probe: &Probe, mut put: impl FnM
         let height = facet.height(v);
         if distance <= probe.margin && height <= probe.margin && facet.holds(v, height) {
             let feature = facet.own_feature(5, edge, k);
-            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: true });
+            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: false });
         }
     }
 }
@@ -373,6 +373,6 @@ fn across(
         let (on_a, on_b) = (p + s * u, c + t * v);
         let distance = out.dot(on_a - on_b);
         let feature = facet.shared_feature([edge, edge + 1], of_a);
-        put(Touch { out, on_a, distance, feature, facet: 0, doubtful: true });
+        put(Touch { out, on_a, distance, feature, facet: 0, doubtful: false });
     }
 }
