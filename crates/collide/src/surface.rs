@@ -112,13 +112,6 @@ struct Probe<'a> {
     limit: f32,
 }
 
-impl Probe<'_> {
-    /// Whether A is on the front side of the triangle, or only a little behind it.
-    fn sees(&self, facet: &Facet) -> bool {
-        facet.height(self.center) >= -self.limit
-    }
-}
-
 /// A point of contact between A and one triangle.
 #[derive(Clone, Copy)]
 struct Touch {

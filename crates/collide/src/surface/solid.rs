@@ -47,7 +47,7 @@ pub(super) fn touch<S: Surface>(
 ) -> bool {
     let facet = &facets[i];
     let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
-    if lowest > probe.margin || !probe.sees(facet) {
+    if lowest > probe.margin {
         return false;
     }
     let Some(way) = shortest(placed, facet, a, lowest, probe) else {
@@ -341,7 +341,7 @@ fn beyond(facet: &Facet, a: &Poly, edge: usize, probe: &Probe, mut put: impl FnM
         let height = facet.height(v);
         if distance <= probe.margin && height <= probe.margin && facet.holds(v, height) {
             let feature = facet.own_feature(5, edge, k);
-            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: false });
+            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: true });
         }
     }
 }
