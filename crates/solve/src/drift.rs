@@ -40,6 +40,10 @@ pub fn drift(columns: &mut Columns<'_>, h: f32) {
             if role == Role::Free && locks != 0 {
                 (v, w) = (unlocked(v, locks), unlocked(w, locks >> 3));
             }
+            if !v.is_finite() || !w.is_finite() {
+                // The pose stays what it was; the world freezes the body when it settles.
+                return;
+            }
             drift.set(drift.translation() + v * h, drift.rotation() + w * h);
             if role == Role::Driven {
                 *rotation = normalize(compose(from_rotation_vector(w * h), *rotation));
@@ -122,7 +126,7 @@ mod tests {
         assert!(worst_e < 1e-4, "energy drifts by {worst_e}");
         // The sign changes of ω_y, from a reference integration; single precision shifts them a little, since the
         // motion starts next to the unstable axis.
-        for (flip, exact) in flips.iter().zip([1.165_960, 4.194_382, 7.222_804]) {
+        for (flip, exact) in flips.iter().zip([1.165_96, 4.194_382, 7.222_804]) {
             assert!((flip - exact).abs() < 0.02, "{flips:?}");
         }
         assert_eq!(flips.len(), 3);
