@@ -47,7 +47,7 @@ pub fn convex_height_field(
 }
 
 /// Triangles with neighbours, in their own frame. A triangle is named by an index.
-trait Surface {
+pub(crate) trait Surface {
     /// Calls `f` with each triangle that may touch `area`, in any order.
     fn near(&self, area: &Aabb, f: impl FnMut(u64));
     /// Corners, counter-clockwise from outside.
