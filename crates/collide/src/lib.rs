@@ -25,10 +25,12 @@ mod sat;
 mod segments;
 mod sphere_box;
 mod surface;
+mod time_of_impact;
 
 pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
 pub use surface::{convex_height_field, convex_mesh};
+pub use time_of_impact::{Motion, Sweep, Toi, time_of_impact};
 
 use rockfall_math::Isometry;
 use rockfall_shape::Shape;
