@@ -27,7 +27,7 @@ pub struct Block<const P: usize, const T: usize> {
     pub b: [u32; LANES],
     /// From a to b.
     pub normal: Column3,
-    /// Centre of mass of b seen from that of a, metres.
+    /// Centre of mass of b seen from that of a, metres; without the gap between bodies that don't touch yet.
     pub offset: Column3,
     /// From the centre of mass of a to each point, metres. Points that are not in use lie in the middle of the others.
     pub arms: [Column3; P],

@@ -51,8 +51,11 @@ impl<S: Fn(usize, usize) -> Surface> Fill<'_, S> {
         let (a, b) = (row_of(m.a), row_of(m.b));
         let surface = (self.surface)(a, b);
         let count = m.count as usize;
-        let offset = (self.bodies.positions[b] - self.bodies.positions[a]).as_vec3();
-        let middle = m.arms[..count].iter().sum::<Vec3>() / count as f32;
+        // Bodies that don't touch yet will have come together where an impulse acts: each arm ends on its own surface.
+        let gap = (m.distances[..count].iter().sum::<f32>() / count as f32).max(0.0);
+        let offset = (self.bodies.positions[b] - self.bodies.positions[a]).as_vec3() - m.normal * gap;
+        let arms = m.arms.map(|arm| arm - m.normal * (0.5 * gap));
+        let middle = arms[..count].iter().sum::<Vec3>() / count as f32;
 
         block.a[lane] = a as u32;
         block.b[lane] = b as u32;
@@ -60,7 +63,7 @@ impl<S: Fn(usize, usize) -> Surface> Fill<'_, S> {
         put3(&mut block.offset, lane, offset);
         for p in 0..P {
             let used = p < count;
-            put3(&mut block.arms[p], lane, if used { m.arms[p] } else { middle });
+            put3(&mut block.arms[p], lane, if used { arms[p] } else { middle });
             if used {
                 block.distances[p][lane] = m.distances[p];
                 block.masses[p][lane] = 1.0;

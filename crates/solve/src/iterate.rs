@@ -1,9 +1,12 @@
 //! Stage 9, **solve** and **relax**: one sweep of sequential impulses.
 //!
 //! Reads batches and drift; writes impulses and velocities. For each manifold in turn: friction at the middle of its
-//! points as a true cone, twist about the normal, rolling, then each point's normal impulse, so that non-penetration has
-//! the last word. With position correction the sweep is *solve*, without it *relax*; contacts that have not closed yet
-//! (speculative ones) keep their gap in both.
+//! points as a true cone, twist about the normal, rolling; and each point's normal impulse. With position correction the
+//! sweep is *solve*, without it *relax*; contacts that have not closed yet (speculative ones) keep their gap in both.
+//!
+//! *Solve* begins with friction, whose bound is then the impulse that the last sub-step ended with; soft correction leaks
+//! some of it. *Relax* brings that back and ends with friction, so that the velocities that are kept obey Coulomb's law with
+//! equality: also in the sub-step of an impact, whose whole impulse comes in one sweep.
 //!
 //! The signed distance follows the drift to first order: s = s₀ + n · (Δp_b − Δp_a + Δθ_b × r_b − Δθ_a × r_a). For a ball
 //! that rolls this is exact; an edge that turns by Δθ errs by r Δθ² / 2, on the side of more room.
@@ -41,70 +44,105 @@ impl Visit for Iterate {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
         let normal: Lanes3<L> = load3(token, &block.normal, k);
-        let offset: Lanes3<L> = load3(token, &block.offset, k);
-        let zero = L::splat(token, 0.0);
 
-        let mut middle = Lanes3::splat(token, Vec3::ZERO);
-        let mut pressed = zero;
-        for p in 0..P {
-            middle = middle + load3(token, &block.arms[p], k);
-            pressed = pressed + load(token, &block.impulses[p], k);
-        }
-        let middle = middle.scale(L::splat(token, 1.0 / P as f32));
-
-        rub(token, block, k, &mut a, &mut b, normal, middle, pressed);
-        for twist in 0..T {
-            let mass = load(token, &block.twist_mass[twist], k);
-            let limit = load::<L>(token, &block.twist_limit[twist], k) * pressed;
-            let impulse = &mut block.twist_impulse[twist];
-            let spin = Spin { mass, limit, normal };
-            spin.resist(token, impulse, k, &mut a, &mut b);
-        }
-        if let Some(cold) = cold.as_deref_mut() {
-            roll(token, cold, k, &mut a, &mut b, normal, pressed);
-            if T == 0 {
-                let mass = load(token, &cold.twist_mass, k);
-                let limit = load::<L>(token, &cold.twist_limit, k) * pressed;
-                Spin { mass, limit, normal }.resist(token, &mut cold.twist_impulse, k, &mut a, &mut b);
-            }
-        }
-
-        // Normal impulses, point by point.
-        let soft = if one_sided { self.step.one_sided } else { self.step.two_sided };
-        let (pa, ta) = gather_drift(token, rows, &block.a, k);
-        let (pb, tb) = gather_drift(token, rows, &block.b, k);
-        let gap = normal.dot(pb - pa);
-        for p in 0..P {
-            let arm_a = load3(token, &block.arms[p], k);
-            let arm_b = arm_a - offset;
-            let lever_a = arm_a.cross(normal);
-            let lever_b = arm_b.cross(normal);
-            let distance =
-                load::<L>(token, &block.distances[p], k) + (gap + (lever_b.dot(tb) - lever_a.dot(ta)));
-            let (bias, mass_scale, leak) = correction(token, &self.step, &soft, distance);
-
-            let speed = normal.dot(b.v - a.v) + (lever_b.dot(b.w) - lever_a.dot(a.w));
-            let mass: L = load(token, &block.masses[p], k);
-            let old: L = load(token, &block.impulses[p], k);
-            let new = (old - mass * mass_scale * (speed + bias) - leak * old).max(zero);
-            store(new, &mut block.impulses[p], k);
-            if let Some(cold) = cold.as_deref_mut() {
-                let peak: L = load(token, &cold.peak[p], k);
-                store(new.max(peak), &mut cold.peak[p], k);
-            }
-
-            let j = new - old;
-            let along = normal.scale(j);
-            a.v = a.v - along.scale(a.inverse_mass);
-            a.w = a.w - a.inverse_inertia.times(lever_a).scale(j);
-            if !one_sided {
-                b.v = b.v + along.scale(b.inverse_mass);
-                b.w = b.w + b.inverse_inertia.times(lever_b).scale(j);
+        for friction in [!self.step.normals_first, self.step.normals_first] {
+            let cold = cold.as_deref_mut();
+            if friction {
+                hold(token, block, cold, k, normal, (&mut a, &mut b));
+            } else {
+                press(token, &self.step, rows, block, cold, k, one_sided, normal, (&mut a, &mut b));
             }
         }
         a.scatter(rows, &block.a, k);
         if !one_sided {
             b.scatter(rows, &block.b, k);
+        }
+    }
+}
+
+/// Friction at the middle of the points as a true cone, twist about the normal, rolling: as much of each as the normal
+/// impulses allow.
+#[inline(always)]
+fn hold<L: Lanes, const P: usize, const T: usize>(
+    token: L::Token,
+    block: &mut Block<P, T>,
+    cold: Option<&mut Cold>,
+    k: usize,
+    normal: Lanes3<L>,
+    (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
+) {
+    let zero = L::splat(token, 0.0);
+    let mut middle = Lanes3::splat(token, Vec3::ZERO);
+    let mut pressed = zero;
+    for p in 0..P {
+        middle = middle + load3(token, &block.arms[p], k);
+        pressed = pressed + load(token, &block.impulses[p], k);
+    }
+    let middle = middle.scale(L::splat(token, 1.0 / P as f32));
+
+    rub(token, block, k, a, b, normal, middle, pressed);
+    for twist in 0..T {
+        let mass = load(token, &block.twist_mass[twist], k);
+        let limit = load::<L>(token, &block.twist_limit[twist], k) * pressed;
+        let impulse = &mut block.twist_impulse[twist];
+        let spin = Spin { mass, limit, normal };
+        spin.resist(token, impulse, k, a, b);
+    }
+    if let Some(cold) = cold {
+        roll(token, cold, k, a, b, normal, pressed);
+        if T == 0 {
+            let mass = load(token, &cold.twist_mass, k);
+            let limit = load::<L>(token, &cold.twist_limit, k) * pressed;
+            Spin { mass, limit, normal }.resist(token, &mut cold.twist_impulse, k, a, b);
+        }
+    }
+}
+
+/// Normal impulses, point by point.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn press<L: Lanes, const P: usize, const T: usize>(
+    token: L::Token,
+    step: &SubStep,
+    rows: &Rows<'_>,
+    block: &mut Block<P, T>,
+    mut cold: Option<&mut Cold>,
+    k: usize,
+    one_sided: bool,
+    normal: Lanes3<L>,
+    (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
+) {
+    let zero = L::splat(token, 0.0);
+    let offset: Lanes3<L> = load3(token, &block.offset, k);
+    let soft = if one_sided { step.one_sided } else { step.two_sided };
+    let (pa, ta) = gather_drift(token, rows, &block.a, k);
+    let (pb, tb) = gather_drift(token, rows, &block.b, k);
+    let gap = normal.dot(pb - pa);
+    for p in 0..P {
+        let arm_a = load3(token, &block.arms[p], k);
+        let arm_b = arm_a - offset;
+        let lever_a = arm_a.cross(normal);
+        let lever_b = arm_b.cross(normal);
+        let distance = load::<L>(token, &block.distances[p], k) + (gap + (lever_b.dot(tb) - lever_a.dot(ta)));
+        let (bias, mass_scale, leak) = correction(token, step, &soft, distance);
+
+        let speed = normal.dot(b.v - a.v) + (lever_b.dot(b.w) - lever_a.dot(a.w));
+        let mass: L = load(token, &block.masses[p], k);
+        let old: L = load(token, &block.impulses[p], k);
+        let new = (old - mass * mass_scale * (speed + bias) - leak * old).max(zero);
+        store(new, &mut block.impulses[p], k);
+        if let Some(cold) = cold.as_deref_mut() {
+            let peak: L = load(token, &cold.peak[p], k);
+            store(new.max(peak), &mut cold.peak[p], k);
+        }
+
+        let j = new - old;
+        let along = normal.scale(j);
+        a.v = a.v - along.scale(a.inverse_mass);
+        a.w = a.w - a.inverse_inertia.times(lever_a).scale(j);
+        if !one_sided {
+            b.v = b.v + along.scale(b.inverse_mass);
+            b.w = b.w + b.inverse_inertia.times(lever_b).scale(j);
         }
     }
 }
@@ -126,7 +164,7 @@ fn correction<L: Lanes>(token: L::Token, step: &SubStep, soft: &Softness, distan
 /// Coulomb friction: the impulse that stops the middle of the points, shortened to the cone's radius.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn rub<L: Lanes, const P: usize, const T: usize>(
+pub(crate) fn rub<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     block: &mut Block<P, T>,
     k: usize,

@@ -60,6 +60,7 @@ pub fn soft_step(
         push_speed: plan.push_speed,
         two_sided: Softness::new(hertz, plan.damping, h),
         one_sided: Softness::new(2.0 * hertz, plan.damping, h),
+        normals_first: false,
     };
     for i in 0..plan.substeps {
         push(columns, plan.gravity, h, i == 0);
@@ -71,7 +72,7 @@ pub fn soft_step(
         iterate(batches, columns, width, &step.relaxing());
     }
     let solved = Instant::now();
-    bounce(batches, columns, width, plan.restitution_threshold);
+    bounce(batches, columns, width, plan.restitution_threshold, plan.gravity, h);
     [solved - start, solved.elapsed()]
 }
 
@@ -99,25 +100,31 @@ fn simple_step<R: Respond>(
     respond: &R,
 ) -> [Duration; 2] {
     let start = Instant::now();
+    // Half of gravity before the response and half after it: so the velocities that respond belong to the same time as the
+    // places, and a perfectly elastic bounce neither gains nor loses height (see `bounce`).
+    let half = 0.5 * plan.h();
     for i in 0..plan.substeps {
-        push(columns, plan.gravity, plan.h(), i == 0);
-        // No warm start: the velocities go on from where they are.
-        for (reference, line) in columns.references.iter_mut().zip(columns.lines.iter()) {
-            *reference = line.motion;
-        }
+        push(columns, plan.gravity, half, i == 0);
+        forget(columns);
         for iteration in 0..ITERATIONS {
             let rows =
                 Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
             let visit = Simple { respond, separate: iteration == 0 };
             sweep(batches, &rows, Width::Scalar, &visit);
         }
+        forget(columns);
+        push(columns, plan.gravity, half, false);
         drift(columns, plan.h());
-        // Forget what contacts gave, so that the next push adds none of it again.
-        for (reference, line) in columns.references.iter_mut().zip(columns.lines.iter()) {
-            *reference = line.motion;
-        }
+        forget(columns);
     }
     [start.elapsed(), Duration::ZERO]
+}
+
+/// No warm start: what contacts gave is not given again, and velocities go on from where they are.
+fn forget(columns: &mut Columns<'_>) {
+    for (reference, line) in columns.references.iter_mut().zip(columns.lines.iter()) {
+        *reference = line.motion;
+    }
 }
 
 /// A contact point that touches, one body hitting another.

@@ -41,12 +41,14 @@ pub struct SubStep {
     pub two_sided: Softness,
     /// Contacts with immovable bodies: stiffer, because nothing gives way.
     pub one_sided: Softness,
+    /// Friction follows the normal impulses, rather than going before them.
+    pub normals_first: bool,
 }
 
 impl SubStep {
     /// The same sub-step without position correction.
     pub fn relaxing(self) -> Self {
-        SubStep { two_sided: Softness::RIGID, one_sided: Softness::RIGID, ..self }
+        SubStep { two_sided: Softness::RIGID, one_sided: Softness::RIGID, normals_first: true, ..self }
     }
 }
 

@@ -112,7 +112,7 @@ pub(crate) struct BodyLanes<L> {
     pub(crate) v: Lanes3<L>,
     pub(crate) w: Lanes3<L>,
     pub(crate) inverse_mass: L,
-    gravity_scale: L,
+    pub(crate) gravity_scale: L,
     pub(crate) inverse_inertia: Symmetric<L>,
 }
 

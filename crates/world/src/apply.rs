@@ -14,17 +14,23 @@ use rockfall_tree::{hilbert, morton::Grid};
 /// Steps between two sorts of all rows. 64 keeps a flowing pile sorted at under 1 % of the time.
 const SORT_EVERY: u64 = 64;
 
-/// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step. Returns whether
-/// rows have moved or come.
-pub(crate) fn apply(bodies: &mut Bodies, pairs: &mut Pairs, fresh: usize, step: u64) -> bool {
+/// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step, `stirred` are the
+/// rows that were put somewhere else. Returns whether rows have moved or come.
+pub(crate) fn apply(
+    bodies: &mut Bodies,
+    pairs: &mut Pairs,
+    fresh: usize,
+    stirred: &[u32],
+    step: u64,
+) -> bool {
     let rows = bodies.rows();
     let dead = bodies.states.contains(&State::Dead);
+    if dead || !stirred.is_empty() {
+        wake_partners(bodies, pairs, stirred);
+    }
     let sort = step.is_multiple_of(SORT_EVERY) || fresh > rows / 4;
     if !sort && !dead && fresh == 0 {
         return false;
-    }
-    if dead {
-        wake_partners(bodies, pairs);
     }
     let mut order: Vec<u32> = (0..rows as u32).collect();
     order.retain(|&row| bodies.states[row as usize] != State::Dead);
@@ -61,12 +67,16 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
         .collect()
 }
 
-/// What rested on a body that is gone rests no more.
-fn wake_partners(bodies: &mut Bodies, pairs: &Pairs) {
+/// What rested on a body that is gone, or somewhere else now, rests no more.
+fn wake_partners(bodies: &mut Bodies, pairs: &Pairs, stirred: &[u32]) {
+    let mut left: Vec<bool> = bodies.states.iter().map(|&state| state == State::Dead).collect();
+    for &row in stirred {
+        left[row as usize] = true;
+    }
     for &key in &pairs.keys {
         let rows = [(key >> 32) as usize, row_of(key as u32 & !FIXED)];
         for (row, other) in [(rows[0], rows[1]), (rows[1], rows[0])] {
-            if bodies.states[other] == State::Dead && bodies.states[row] == State::Asleep {
+            if left[other] && bodies.states[row] == State::Asleep {
                 bodies.states[row] = State::Awake;
                 bodies.rests[row] = 0.0;
             }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use rockfall_collide::{Cache, Manifold as Local, collide};
 use rockfall_math::Mat3;
 use rockfall_solve::line::Role;
-use rockfall_solve::{Chunk, FIXED, Manifold, Memory, NO_COLOR, row_of};
+use rockfall_solve::{Chunk, Manifold, Memory, NO_COLOR, row_of};
 
 /// Pairs in a chunk.
 pub(crate) const RUN: usize = 256;
@@ -84,7 +84,7 @@ pub(crate) fn touch(
                     meet(bodies, shapes, a as usize, row_of(b), &mut cache, &mut scratch);
                     for local in &scratch {
                         if is_finite(local) {
-                            enter(chunk, bodies, a, b, local, memories);
+                            enter(chunk, bodies, a, b, local, (manifolds, memories));
                         } else {
                             broken.push(a as usize);
                         }
@@ -132,30 +132,60 @@ fn is_finite(local: &Local) -> bool {
         && local.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite())
 }
 
+/// How far a point may have gone in a step to be taken for the same under a new name, as a share of its arm.
+const SAME: f32 = 0.05;
+
 /// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes.
-fn enter(chunk: &mut Chunk, bodies: &Bodies, a: u32, b: u32, local: &Local, memories: &[Memory]) {
+///
+/// Where two faces cover each other, as in a tower of equal boxes, rounding decides which corner or crossing of edges names
+/// a point, and names change from step to step. So a point without a namesake takes the impulse of the nearest point that
+/// has none either.
+fn enter(
+    chunk: &mut Chunk,
+    bodies: &Bodies,
+    a: u32,
+    b: u32,
+    local: &Local,
+    (manifolds, memories): (&[Manifold], &[Memory]),
+) {
     let turn = Mat3::from_quat(bodies.rotations[a as usize]);
     let mut manifold =
         Manifold { a, b, count: local.count, normal: turn * local.normal, ..Manifold::default() };
     let mut memory = Memory { color: NO_COLOR, ..Memory::default() };
-    let mut source = None;
     for (p, point) in local.points().iter().enumerate() {
         manifold.arms[p] = turn * (point.position - bodies.centers[a as usize]);
         manifold.distances[p] = point.distance;
         memory.features[p] = point.feature;
-        for (i, old) in memories.iter().enumerate() {
-            if let Some(q) = old.features.iter().position(|&f| f == point.feature) {
+    }
+    let namesake = |feature: u32, old: usize| {
+        memories[old].features[..manifolds[old].count as usize].iter().position(|&f| f == feature)
+    };
+    let knows = |old: &usize| local.points().iter().any(|p| namesake(p.feature, *old).is_some());
+    // A convex pair has one manifold, which goes on even where all of its points have new names.
+    let source = (0..memories.len()).find(knows).or((memories.len() == 1).then_some(0));
+    if let Some(i) = source {
+        let (before, old) = (&manifolds[i], &memories[i]);
+        let (mut free_old, mut free_new) = ([true; 4], [true; 4]);
+        for (p, point) in local.points().iter().enumerate() {
+            if let Some(q) = namesake(point.feature, i) {
                 memory.normals[p] = old.normals[q];
-                source = source.or(Some(i));
-                break;
+                (free_old[q], free_new[p]) = (false, false);
             }
         }
-    }
-    // A convex pair has one manifold, whose friction goes on even where all of its points have new names.
-    if source.is_none() && memories.len() == 1 && b & FIXED == 0 {
-        source = Some(0);
-    }
-    if let Some(old) = source.map(|i| &memories[i]) {
+        for p in (0..local.count as usize).filter(|&p| free_new[p]) {
+            let arm = manifold.arms[p];
+            let mut nearest = (SAME * SAME * arm.length_squared(), None);
+            for q in (0..before.count as usize).filter(|&q| free_old[q]) {
+                let way = (before.arms[q] - arm).length_squared();
+                if way < nearest.0 {
+                    nearest = (way, Some(q));
+                }
+            }
+            if let Some(q) = nearest.1 {
+                memory.normals[p] = old.normals[q];
+                free_old[q] = false;
+            }
+        }
         (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
         memory.color = old.color;
     }

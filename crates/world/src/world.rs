@@ -98,8 +98,8 @@ pub struct World {
     next_id: u64,
     /// Rows at the end that the last step did not see.
     fresh: usize,
-    /// A box must be renewed although its body has not moved by itself.
-    stirred: bool,
+    /// Rows of bodies that were put somewhere else since the last step.
+    stirred: Vec<u32>,
     index: Index,
     pairs: Pairs,
     touches: Touches,
@@ -136,7 +136,7 @@ impl World {
             names: HashMap::new(),
             next_id: 1,
             fresh: 0,
-            stirred: false,
+            stirred: Vec::new(),
             index: Index::default(),
             pairs: Pairs::default(),
             touches: Touches::default(),

@@ -146,7 +146,7 @@ impl World {
         Ok(())
     }
 
-    /// Puts a body somewhere else, and wakes it.
+    /// Puts a body somewhere else, and wakes it. Bodies that it touched wake with the next step.
     ///
     /// # Errors
     /// [`Error::NoBody`]; [`Error::Value`] for a pose that no body can have.
@@ -159,7 +159,7 @@ impl World {
         self.bodies.positions[row] = pose.position + center.as_dvec3();
         self.bodies.rotations[row] = rotation;
         self.wake(row);
-        self.stirred = true;
+        self.stirred.push(row as u32);
         Ok(())
     }
 

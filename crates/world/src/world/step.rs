@@ -36,13 +36,14 @@ impl World {
         let World { painter, islands, batches, moved, report, .. } = self;
         let mut clock = Clock::new();
 
-        let renamed = apply(bodies, pairs, self.fresh, report.step);
+        let renamed = apply(bodies, pairs, self.fresh, &self.stirred, report.step);
         if renamed {
             self.rows.clear();
             self.rows.extend(bodies.ids.iter().copied().zip(0..).skip(1));
             self.sorted.take();
         }
-        let all = renamed || std::mem::take(&mut self.stirred);
+        let all = renamed || !self.stirred.is_empty();
+        self.stirred.clear();
         self.fresh = 0;
         clock.lap();
 
