@@ -1,1 +1,3 @@
 //! Scene files of Rockfall: TOML, meshes, generators.
+
+pub mod mesh_file;
