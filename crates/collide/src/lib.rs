@@ -2,7 +2,104 @@
 //!
 //! Every function sees shape B from the frame of shape A; nothing here knows bodies or the world. Normals are unit
 //! vectors from A to B. A signed distance is negative where the shapes overlap.
+//!
+//! Each pair of shapes has the method that is exact for it: closed forms for round shapes, separating axes and
+//! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
+//! are corners and edges. The results depend on the arguments alone, to the last bit.
 
+mod box_box;
+mod clip;
+mod closest;
+mod convex;
+mod core_poly;
+mod direction;
+mod feature;
+mod gjk;
+mod half_space;
 mod manifold;
+mod poly;
+mod polyhedra;
+mod reduce;
+mod round;
+mod sat;
+mod segments;
+mod sphere_box;
+mod surface;
 
+pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
+pub use surface::{convex_height_field, convex_mesh};
+
+use rockfall_math::Isometry;
+use rockfall_shape::Shape;
+
+/// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces. `b_in_a` places B in A's frame, and all of the result is in A's frame.
+///
+/// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
+/// manifold, and neither has a shape in a place that is not finite.
+///
+/// # Examples
+/// ```
+/// use rockfall_collide::{Cache, collide};
+/// use rockfall_math::{Isometry, Vec3};
+/// use rockfall_shape::Shape;
+///
+/// let ground = Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 };
+/// let cube = Shape::Box { half: Vec3::splat(0.5) };
+/// let pose = Isometry { translation: Vec3::new(0.0, 0.0, 0.49), ..Isometry::IDENTITY };
+/// let mut manifolds = Vec::new();
+/// collide(&ground, &cube, &pose, 0.01, &mut Cache::default(), &mut manifolds);
+/// assert_eq!((manifolds.len(), manifolds[0].count, manifolds[0].normal), (1, 4, Vec3::Z));
+/// assert!((manifolds[0].deepest() + 0.01).abs() < 1e-6);
+/// ```
+pub fn collide(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) {
+    if !is_finite(b_in_a) {
+        return;
+    }
+    match (a, b) {
+        (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
+        (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
+        (Shape::Mesh(_) | Shape::HeightField(_), _) => {
+            let first = out.len();
+            collide(b, a, &b_in_a.inverse(), margin, cache, out);
+            for manifold in &mut out[first..] {
+                manifold.swap(b_in_a);
+            }
+        }
+        _ => convex::collide(a, b, b_in_a, margin, cache, out),
+    }
+}
+
+/// Signed distance of two convex shapes or of a convex shape and a half-space, exact to rounding: where they
+/// overlap, minus the length of the shortest translation that parts them. `b_in_a` places B in A's frame.
+///
+/// Nothing for two half-spaces, for meshes and height fields, and for a place that is not finite.
+///
+/// # Examples
+/// ```
+/// use rockfall_collide::distance;
+/// use rockfall_math::{Isometry, Vec3};
+/// use rockfall_shape::Shape;
+///
+/// let (ball, cube) = (Shape::Sphere { radius: 1.0 }, Shape::Box { half: Vec3::ONE });
+/// let pose = Isometry { translation: Vec3::new(4.0, 0.0, 0.0), ..Isometry::IDENTITY };
+/// let d = distance(&ball, &cube, &pose).expect("both are convex");
+/// assert_eq!((d.distance, d.normal, d.on_a), (2.0, Vec3::X, Vec3::X));
+/// ```
+pub fn distance(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> {
+    if is_finite(b_in_a) { convex::closest(a, b, b_in_a).map(Distance::from) } else { None }
+}
+
+fn is_finite(pose: &Isometry) -> bool {
+    let r = &pose.rotation;
+    // A sum is finite only if its terms are (and large ones do not come near overflow in a place that makes sense).
+    (r.x_axis + r.y_axis + r.z_axis + pose.translation).is_finite()
+}

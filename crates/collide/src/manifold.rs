@@ -1,6 +1,6 @@
 //! What a pair of shapes has to say about its contact.
 
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 
 /// Up to four points that share a normal, in the frame of shape A.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,5 +41,13 @@ impl Manifold {
     /// The smallest signed distance of the points.
     pub fn deepest(&self) -> f32 {
         self.points().iter().fold(f32::INFINITY, |d, p| d.min(p.distance))
+    }
+
+    /// Seen from the frame of the other shape, which becomes A; `b_in_a` places the frame of this one in that.
+    pub(crate) fn swap(&mut self, b_in_a: &Isometry) {
+        self.normal = -b_in_a.vector(self.normal);
+        for p in &mut self.points[..self.count as usize] {
+            p.position = b_in_a.point(p.position);
+        }
     }
 }

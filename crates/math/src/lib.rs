@@ -5,13 +5,15 @@
 //! no order of operations that depends on the width of a register.
 
 pub mod aabb;
+pub mod disjoint;
 pub mod hash;
 pub mod isometry;
+pub mod lanes;
 pub mod pose;
 pub mod rotation;
 pub mod trig;
 
 pub use aabb::Aabb;
-pub use glam::{DVec3, Mat3, Quat, Vec2, Vec3};
+pub use glam::{DQuat, DVec3, Mat3, Quat, Vec2, Vec3};
 pub use isometry::Isometry;
 pub use pose::Pose;

@@ -1,3 +1,46 @@
 //! Scene files of Rockfall: TOML, meshes, generators.
+//!
+//! [`Scene::load`] reads a file and checks all of it; [`Scene::build`] cooks the shapes, lays out the bodies and gives
+//! a [`Running`] world. `docs/scene.md` describes every key; [`schema`] is the same for editors.
+//!
+//! The way through the crate: `load` reads files and merges what they include; `check` turns TOML into a tree of
+//! values by the tables of keys that stand at the head of each shape's and each generator's file; `plan` cooks and
+//! places; `running` fills a world and pours into it.
 
-pub mod mesh_file;
+#![forbid(unsafe_code)]
+
+mod body;
+mod check;
+mod crowd;
+mod error;
+mod generators;
+mod inside;
+mod load;
+mod manual;
+mod memory;
+mod mesh_file;
+mod node;
+mod noise;
+mod plan;
+mod random;
+mod region;
+mod root;
+mod rotation;
+mod running;
+mod scene;
+mod schema;
+mod shapes;
+mod sizes;
+mod source;
+mod spec;
+mod terrain;
+mod write;
+
+pub use error::{Place, Problem, SceneError};
+pub use manual::keys as manual;
+pub use memory::Estimate;
+pub use mesh_file::{MeshFileError, TriangleSoup, read as read_mesh};
+pub use plan::BodyRow;
+pub use running::Running;
+pub use scene::Scene;
+pub use schema::schema;

@@ -40,8 +40,11 @@ pub enum Error {
     /// Two bodies with one id.
     #[error("body {} exists already", .0.0)]
     Duplicate(BodyId),
+    /// A shape makes no sense.
+    #[error(transparent)]
+    Shape(#[from] rockfall_shape::ShapeError),
     /// A surface without an inside can't move.
-    #[error("a {shape} can only be static or kinematic")]
+    #[error("a {shape} can't be dynamic, only static or kinematic")]
     Immovable {
         /// The kind of shape.
         shape: &'static str,

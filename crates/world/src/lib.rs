@@ -1,10 +1,21 @@
 //! **Rockfall**: very many rigid bodies in hard contact.
 
+mod apply;
+mod bodies;
 mod body;
+mod bound;
 mod error;
+mod index;
+mod link;
 mod material;
+mod measure;
+mod pair;
 mod report;
 mod settings;
+mod settle;
+mod sleep;
+mod sweep;
+mod touch;
 mod world;
 
 pub use body::{Body, BodyId, Kind, Locks, MassOverride};

@@ -1,7 +1,23 @@
 //! The world: bodies, shapes, materials, and `step()`.
 
-use crate::{Body, BodyId, Error, Kind, Material, Settings, Shape, StepReport};
-use rockfall_math::{DVec3, Pose, Vec3};
+mod check;
+mod read;
+mod spawn;
+mod step;
+
+use crate::bodies::{Bodies, State};
+use crate::index::Index;
+use crate::link::Islands;
+use crate::pair::Pairs;
+use crate::touch::Touches;
+use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
+use rockfall_math::lanes::Width;
+use rockfall_math::{DVec3, Vec3};
+use rockfall_shape::MassProperties;
+use rockfall_solve::Batches;
+use rockfall_solve::paint::Painter;
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 /// A shape of a [`World`], shared by any number of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,20 +48,67 @@ pub struct Contact {
     pub a: BodyId,
     /// The body that the normal points into.
     pub b: BodyId,
-    /// Half-way between the surfaces, metres.
+    /// Half-way between the surfaces at the start of the step, metres.
     pub position: DVec3,
     /// Unit vector from `a` to `b`.
     pub normal: Vec3,
-    /// Signed distance, metres; negative where the bodies overlap.
+    /// Signed distance at the start of the step, metres; negative where the bodies overlapped.
     pub distance: f32,
-    /// Normal impulse of the last sub-step, N s.
+    /// Normal impulse in the last sub-step, N s; times the rate of the sub-steps it is a force.
     pub impulse: f32,
 }
 
 /// Bodies, shapes, materials, and the state that goes on from one step to the next.
+///
+/// ```
+/// use rockfall::math::{DVec3, Pose, Vec3};
+/// use rockfall::{Body, Material, Settings, Shape, World};
+///
+/// let mut world = World::new(Settings::default())?;
+/// let rock = world.add_material(Material::default())?;
+/// let ground = world.add_shape(Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 })?;
+/// let ball = world.add_shape(Shape::Sphere { radius: 0.5 })?;
+/// world.spawn(Body::fixed(ground, rock, Pose::default()))?;
+/// let id = world.spawn(Body::new(ball, rock, Pose::at(DVec3::new(0.0, 0.0, 3.0))))?;
+/// for _ in 0..120 {
+///     world.step();
+/// }
+/// let pose = world.pose(id).expect("the ball is still there");
+/// assert!((pose.position.z - 0.5).abs() < 1e-3);
+/// for contact in world.contacts() {
+///     println!("{:?} {:?} {} m", contact.position, contact.normal, contact.distance);
+/// }
+/// # Ok::<(), rockfall::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct World {
     settings: Settings,
+    width: Width,
+    pool: Arc<rayon::ThreadPool>,
+    shapes: Vec<Shape>,
+    /// Mass properties of each shape at 1 kg/m³; shapes without an inside have none.
+    masses: Vec<Option<MassProperties>>,
+    materials: Vec<Material>,
+    bodies: Bodies,
+    /// Rows by id, of bodies that are alive.
+    rows: HashMap<u64, u32>,
+    /// The same, sorted by id; made when somebody asks.
+    sorted: OnceLock<Vec<u32>>,
+    names: HashMap<u64, String>,
+    next_id: u64,
+    /// Rows at the end that the last step did not see.
+    fresh: usize,
+    /// A box must be renewed although its body has not moved by itself.
+    stirred: bool,
+    index: Index,
+    pairs: Pairs,
+    touches: Touches,
+    spare: Touches,
+    painter: Painter,
+    islands: Islands,
+    batches: Batches,
+    moved: Vec<bool>,
+    report: StepReport,
 }
 
 impl World {
@@ -54,7 +117,36 @@ impl World {
     /// # Errors
     /// [`Error::Setting`] names the first setting that is out of range; [`Error::Threads`].
     pub fn new(settings: Settings) -> Result<Self, Error> {
-        Ok(World { settings })
+        settings.check()?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(settings.threads)
+            .thread_name(|i| format!("rockfall-{i}"))
+            .build()
+            .map_err(|error| Error::Threads { threads: settings.threads, reason: error.to_string() })?;
+        Ok(World {
+            settings,
+            width: Width::new(settings.lanes),
+            pool: Arc::new(pool),
+            shapes: Vec::new(),
+            masses: Vec::new(),
+            materials: Vec::new(),
+            bodies: Bodies::new(),
+            rows: HashMap::new(),
+            sorted: OnceLock::new(),
+            names: HashMap::new(),
+            next_id: 1,
+            fresh: 0,
+            stirred: false,
+            index: Index::default(),
+            pairs: Pairs::default(),
+            touches: Touches::default(),
+            spare: Touches::default(),
+            painter: Painter::default(),
+            islands: Islands::default(),
+            batches: Batches::default(),
+            moved: Vec::new(),
+            report: StepReport::default(),
+        })
     }
 
     /// The settings, as given.
@@ -63,100 +155,44 @@ impl World {
     }
 
     /// Adds a shape.
-    pub fn add_shape(&mut self, _shape: Shape) -> ShapeId {
-        todo!()
+    ///
+    /// # Errors
+    /// [`Error::Shape`] says what is wrong with it.
+    pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId, Error> {
+        shape.validate()?;
+        self.masses.push(shape.mass_properties(1.0));
+        self.shapes.push(shape);
+        Ok(ShapeId(self.shapes.len() as u32 - 1))
     }
 
     /// Adds a material.
     ///
     /// # Errors
     /// [`Error::Value`] where a number is out of range.
-    pub fn add_material(&mut self, _material: Material) -> Result<MaterialId, Error> {
-        todo!()
-    }
-
-    /// Adds a body; it takes part from the next step.
-    ///
-    /// # Errors
-    /// Says what is wrong with the body; the world is left as it was.
-    pub fn spawn(&mut self, _body: Body) -> Result<BodyId, Error> {
-        todo!()
-    }
-
-    /// Adds bodies in bulk; all of them or none.
-    ///
-    /// # Errors
-    /// That of the first body that can't be added.
-    pub fn spawn_all(&mut self, _bodies: impl IntoIterator<Item = Body>) -> Result<Vec<BodyId>, Error> {
-        todo!()
-    }
-
-    /// Removes a body.
-    ///
-    /// # Errors
-    /// [`Error::NoBody`].
-    pub fn remove(&mut self, _id: BodyId) -> Result<(), Error> {
-        todo!()
-    }
-
-    /// Advances the world by one step of `1 / rate` seconds.
-    pub fn step(&mut self) -> &StepReport {
-        todo!()
-    }
-
-    /// What the last step had to say.
-    pub fn report(&self) -> &StepReport {
-        todo!()
+    pub fn add_material(&mut self, material: Material) -> Result<MaterialId, Error> {
+        material.check()?;
+        self.materials.push(material);
+        Ok(MaterialId(self.materials.len() as u32 - 1))
     }
 
     /// Number of bodies.
     pub fn len(&self) -> usize {
-        todo!()
+        self.rows.len()
     }
 
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.rows.is_empty()
     }
 
-    /// Ids of all bodies, ascending; the order of [`World::poses`] and the other bulk readers.
-    pub fn ids(&self) -> Vec<BodyId> {
-        todo!()
+    fn row(&self, id: BodyId) -> Result<usize, Error> {
+        self.rows.get(&id.0).map(|&row| row as usize).ok_or(Error::NoBody(id))
     }
 
-    /// Poses of the bodies' shape frames, in the order of [`World::ids`].
-    pub fn poses(&self) -> Vec<Pose> {
-        todo!()
-    }
-
-    /// Shape of each body, in the order of [`World::ids`].
-    pub fn shapes_of_bodies(&self) -> Vec<ShapeId> {
-        todo!()
-    }
-
-    /// Kind of each body, in the order of [`World::ids`].
-    pub fn kinds(&self) -> Vec<Kind> {
-        todo!()
-    }
-
-    /// A body's name.
-    pub fn name(&self, _id: BodyId) -> Option<&str> {
-        todo!()
-    }
-
-    /// The contacts of the last step, in a canonical order.
-    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        std::iter::empty()
-    }
-
-    /// A hash of the id, pose and velocity of every body: equal for equal states, whatever the number of threads
-    /// or lanes and the order in which bodies were added.
-    pub fn hash(&self) -> u64 {
-        todo!()
-    }
-
-    /// Bytes that the world holds.
-    pub fn memory(&self) -> usize {
-        todo!()
+    fn wake(&mut self, row: usize) {
+        if self.bodies.states[row] == State::Asleep {
+            self.bodies.states[row] = State::Awake;
+        }
+        self.bodies.rests[row] = 0.0;
     }
 }

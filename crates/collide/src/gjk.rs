@@ -1,0 +1,285 @@
+//! The distance between two sets of points' convex hulls, by walking simplices of their difference.
+//!
+//! Gilbert, Johnson and Keerthi, "A fast procedure for computing the distance between complex objects in
+//! three-dimensional space", IEEE Journal of Robotics and Automation 4, 1988; the sub-problems by Voronoi regions as
+//! in Ericson, *Real-Time Collision Detection*, 2005, section 5.1. Inputs are single precision, everything inside is
+//! double: the distance is then exact to the last bit of the inputs, and thin simplices keep their sense.
+
+use crate::closest::Closest;
+use crate::feature;
+use rockfall_math::{DVec3, Isometry, Vec3};
+
+/// How two convex sets lie.
+pub(crate) enum Proximity {
+    /// The nearest points.
+    Apart(Closest),
+    /// Further away than was asked; the direction (A to B, not unit) separates them by more than that.
+    Beyond(Vec3),
+    /// They overlap, or touch within rounding.
+    Overlap,
+}
+
+/// A vertex of the difference A − B with the vertices that made it.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    w: DVec3,
+    a: usize,
+    b: usize,
+}
+
+/// Up to three corners around the point nearest to the origin, with its barycentric coordinates.
+#[derive(Clone, Copy, Default)]
+struct Simplex {
+    corners: [Corner; 4],
+    weights: [f64; 4],
+    count: usize,
+}
+
+/// Relative gap between the upper and the lower bound of the squared distance at which the walk ends.
+const GAP: f64 = 1e-12;
+
+/// Below this share of the sets' size the sets touch, and a direction would be made of rounding errors.
+const TOUCH: f64 = 1e-9;
+
+/// Walks end after a handful of steps; this many only if rounding drives them in circles.
+const MAX_STEPS: usize = 64;
+
+/// The nearest points of the convex hulls of `a` and of `b`, the latter placed in A's frame by `b_in_a`; no further
+/// than `limit` metres.
+pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, limit: f32) -> Proximity {
+    let placed = Placed::new(b_in_a);
+    let limit = f64::from(limit);
+    let corner = |ia: usize, ib: usize| Corner { w: a[ia].as_dvec3() - placed.point(b[ib]), a: ia, b: ib };
+
+    let mut simplex = Simplex { count: 1, weights: [1.0, 0.0, 0.0, 0.0], ..Simplex::default() };
+    simplex.corners[0] = corner(0, 0);
+    let mut v = simplex.corners[0].w;
+    let mut scale = v.length_squared();
+    for _ in 0..MAX_STEPS {
+        let squared = v.length_squared();
+        if squared <= TOUCH * TOUCH * scale {
+            return Proximity::Overlap;
+        }
+        let next = corner(support(a, -v), support(b, placed.back(v)));
+        scale = scale.max(next.w.length_squared());
+        let bound = v.dot(next.w);
+        if bound > 0.0 && bound * bound > limit * limit * squared {
+            return Proximity::Beyond(-v.as_vec3());
+        }
+        let known = simplex.corners[..simplex.count].iter().any(|c| c.a == next.a && c.b == next.b);
+        if known || squared - bound <= GAP * squared {
+            break;
+        }
+        let mut grown = simplex;
+        grown.corners[grown.count] = next;
+        grown.count += 1;
+        let Some(reduced) = nearest(&grown) else {
+            return Proximity::Overlap;
+        };
+        let better = reduced.point();
+        if better.length_squared() >= squared {
+            break;
+        }
+        simplex = reduced;
+        v = better;
+    }
+
+    let distance = v.length();
+    let (mut on_a, mut on_b) = (DVec3::ZERO, DVec3::ZERO);
+    for (c, &weight) in simplex.corners[..simplex.count].iter().zip(&simplex.weights) {
+        on_a += weight * a[c.a].as_dvec3();
+        on_b += weight * placed.point(b[c.b]);
+    }
+    if distance > limit {
+        return Proximity::Beyond(-v.as_vec3());
+    }
+    Proximity::Apart(Closest {
+        distance: distance as f32,
+        normal: (-v / distance).as_vec3(),
+        on_a: on_a.as_vec3(),
+        on_b: on_b.as_vec3(),
+        feature: simplex.feature(),
+    })
+}
+
+/// B's frame seen from A's, in double precision.
+struct Placed {
+    axes: [DVec3; 3],
+    origin: DVec3,
+}
+
+impl Placed {
+    fn new(b_in_a: &Isometry) -> Self {
+        let r = &b_in_a.rotation;
+        Placed {
+            axes: [r.x_axis.as_dvec3(), r.y_axis.as_dvec3(), r.z_axis.as_dvec3()],
+            origin: b_in_a.translation.as_dvec3(),
+        }
+    }
+
+    fn point(&self, p: Vec3) -> DVec3 {
+        let p = p.as_dvec3();
+        self.axes[0] * p.x + self.axes[1] * p.y + self.axes[2] * p.z + self.origin
+    }
+
+    fn back(&self, v: DVec3) -> DVec3 {
+        DVec3::new(self.axes[0].dot(v), self.axes[1].dot(v), self.axes[2].dot(v))
+    }
+}
+
+fn support(points: &[Vec3], direction: DVec3) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (i, p) in points.iter().enumerate() {
+        let along = p.as_dvec3().dot(direction);
+        if along > best.1 {
+            best = (i, along);
+        }
+    }
+    best.0
+}
+
+impl Simplex {
+    /// The corners named in `pick`, with these weights, those of no weight left out.
+    fn of(&self, pick: &[(usize, f64)]) -> Simplex {
+        let mut s = Simplex::default();
+        for &(i, weight) in pick {
+            if weight > 0.0 {
+                s.corners[s.count] = self.corners[i];
+                s.weights[s.count] = weight;
+                s.count += 1;
+            }
+        }
+        s
+    }
+
+    fn point(&self) -> DVec3 {
+        (0..self.count).fold(DVec3::ZERO, |v, i| v + self.weights[i] * self.corners[i].w)
+    }
+
+    /// Names the corner or edge of each set that holds the nearest point; all faces share a name.
+    fn feature(&self) -> u32 {
+        let name = |of: fn(&Corner) -> usize| {
+            let mut seen = [usize::MAX; 4];
+            let mut count = 0;
+            for c in &self.corners[..self.count] {
+                if !seen[..count].contains(&of(c)) {
+                    seen[count] = of(c);
+                    count += 1;
+                }
+            }
+            match count {
+                1 => 3 * seen[0],
+                2 => 3 * (seen[0].min(seen[1]) * 37 + seen[0].max(seen[1])) + 1,
+                _ => 2,
+            }
+        };
+        feature::pair(name(|c| c.a), name(|c| c.b))
+    }
+}
+
+/// The part of the simplex that holds its point nearest to the origin; nothing where the origin is inside.
+fn nearest(s: &Simplex) -> Option<Simplex> {
+    Some(match s.count {
+        2 => nearest_on_segment(s, 0, 1),
+        3 => nearest_on_triangle(s, 0, 1, 2),
+        _ => return nearest_on_tetrahedron(s),
+    })
+}
+
+fn nearest_on_segment(s: &Simplex, i: usize, j: usize) -> Simplex {
+    let (a, b) = (s.corners[i].w, s.corners[j].w);
+    let ab = b - a;
+    let t = -a.dot(ab);
+    let squared = ab.length_squared();
+    if t <= 0.0 {
+        s.of(&[(i, 1.0)])
+    } else if t >= squared {
+        s.of(&[(j, 1.0)])
+    } else {
+        let t = t / squared;
+        s.of(&[(i, 1.0 - t), (j, t)])
+    }
+}
+
+fn nearest_on_triangle(s: &Simplex, i: usize, j: usize, k: usize) -> Simplex {
+    let (a, b, c) = (s.corners[i].w, s.corners[j].w, s.corners[k].w);
+    let (ab, ac) = (b - a, c - a);
+    let normal = ab.cross(ac);
+    // Twice the signed areas of the triangles that the origin, seen along the normal, makes with the edges.
+    let (u, v, w) = (b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal));
+    if u > 0.0 && v > 0.0 && w > 0.0 {
+        let sum = u + v + w;
+        return s.of(&[(i, u / sum), (j, v / sum), (k, w / sum)]);
+    }
+    let mut best = nearest_on_segment(s, i, j);
+    for (p, q) in [(j, k), (k, i)] {
+        let other = nearest_on_segment(s, p, q);
+        if other.point().length_squared() < best.point().length_squared() {
+            best = other;
+        }
+    }
+    best
+}
+
+fn nearest_on_tetrahedron(s: &Simplex) -> Option<Simplex> {
+    let w: [DVec3; 4] = std::array::from_fn(|i| s.corners[i].w);
+    let volume = (w[1] - w[0]).cross(w[2] - w[0]).dot(w[3] - w[0]);
+    let span = (w[1] - w[0]).length() * (w[2] - w[0]).length() * (w[3] - w[0]).length();
+    // A flat tetrahedron has no inside: each of its faces is asked.
+    let flat = volume.abs() <= 1e-14 * span;
+    let mut best: Option<Simplex> = None;
+    for [i, j, k, l] in [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 3, 2, 0]] {
+        let normal = (w[j] - w[i]).cross(w[k] - w[i]);
+        let origin_side = -w[i].dot(normal);
+        let inner_side = (w[l] - w[i]).dot(normal);
+        if flat || origin_side * inner_side < 0.0 {
+            let other = nearest_on_triangle(s, i, j, k);
+            if best.is_none_or(|b| other.point().length_squared() < b.point().length_squared()) {
+                best = Some(other);
+            }
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn apart(a: &[Vec3], b: &[Vec3]) -> Closest {
+        match proximity(a, b, &Isometry::IDENTITY, f32::INFINITY) {
+            Proximity::Apart(c) => c,
+            _ => panic!("the sets do not overlap"),
+        }
+    }
+
+    #[test]
+    fn point_and_triangle_by_hand() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let c = apart(&triangle, &[Vec3::new(0.25, 0.25, 0.5)]);
+        assert_eq!((c.distance, c.normal), (0.5, Vec3::Z));
+        let c = apart(&triangle, &[Vec3::new(0.5, -1.0, 0.0)]);
+        assert_eq!((c.distance, c.on_a), (1.0, Vec3::new(0.5, 0.0, 0.0)));
+        let c = apart(&triangle, &[Vec3::new(2.0, 0.0, 0.0)]);
+        assert_eq!((c.distance, c.on_a), (1.0, Vec3::X));
+    }
+
+    #[test]
+    fn a_point_inside_overlaps_and_a_far_one_is_beyond() {
+        let tetrahedron = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let at = |p: Vec3, limit: f32| proximity(&tetrahedron, &[p], &Isometry::IDENTITY, limit);
+        assert!(matches!(at(Vec3::splat(0.2), 1.0), Proximity::Overlap));
+        assert!(matches!(at(Vec3::splat(5.0), 1.0), Proximity::Beyond(d) if d.dot(Vec3::ONE) > 0.0));
+        assert!(matches!(at(Vec3::splat(0.0), 1.0), Proximity::Overlap));
+    }
+
+    #[test]
+    fn sets_of_one_repeated_point_are_no_trouble() {
+        let c = apart(&[Vec3::ZERO; 5], &[Vec3::X; 7]);
+        assert_eq!((c.distance, c.normal), (1.0, Vec3::X));
+        assert!(matches!(
+            proximity(&[Vec3::ONE; 3], &[Vec3::ONE; 3], &Isometry::IDENTITY, 1.0),
+            Proximity::Overlap
+        ));
+    }
+}

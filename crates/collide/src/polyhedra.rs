@@ -1,0 +1,186 @@
+//! Box and hull against hull: distance while they are apart, least overlap once they are not, faces clipped.
+
+use crate::clip::{self, SLACK};
+use crate::closest::Closest;
+use crate::direction;
+use crate::feature;
+use crate::gjk::{self, Proximity};
+use crate::poly::Poly;
+use crate::reduce::reduce;
+use crate::sat::{self, Axis, Kind};
+use crate::segments;
+use crate::{Cache, ContactPoint, Manifold};
+use rockfall_math::{Isometry, Vec3};
+use smallvec::SmallVec;
+
+/// Cosine of the angle between the normal and a face below which the contact still counts as one with the whole
+/// face: 11 degrees.
+const FACE_COSINE: f32 = 0.98;
+
+/// Appends the manifold of two polyhedra if they come within `margin`.
+pub(crate) fn collide(
+    a: &Poly,
+    b: &Poly,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) {
+    if let Some(axis) = direction::unpack(cache.word)
+        && surely_apart(a, b, b_in_a, margin, axis)
+    {
+        return;
+    }
+    match gjk::proximity(a.vertices, b.vertices, b_in_a, margin) {
+        Proximity::Beyond(axis) => cache.word = direction::pack(axis),
+        Proximity::Apart(closest) => {
+            cache.word = direction::pack(closest.normal);
+            out.push(apart(a, b, b_in_a, margin, &closest));
+        }
+        Proximity::Overlap => {
+            let choice = sat::least_overlap(a, b, b_in_a);
+            let radius = a.inner_radius.min(b.inner_radius);
+            let steady = choice.steady.separation;
+            // The preferred face must have points to show for it.
+            let manifold = overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
+                .filter(|m| m.deepest() <= steady + sat::preference(radius, steady))
+                .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
+                .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)));
+            cache.word = direction::pack(manifold.normal);
+            out.push(manifold);
+        }
+    }
+}
+
+/// Signed distance of two polyhedra.
+pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
+    if let Proximity::Apart(closest) = gjk::proximity(a.vertices, b.vertices, b_in_a, f32::INFINITY) {
+        return closest;
+    }
+    let axis = sat::least_overlap(a, b, b_in_a).least;
+    let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis)
+        .unwrap_or_else(|| single(&axis, corner(a, b, b_in_a, &axis)));
+    let at = manifold
+        .points()
+        .iter()
+        .fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
+    let half = 0.5 * axis.separation * axis.normal;
+    Closest {
+        distance: axis.separation,
+        normal: axis.normal,
+        on_a: at.position - half,
+        on_b: at.position + half,
+        feature: at.feature,
+    }
+}
+
+/// Whether `axis` proves a distance beyond `margin`, with room for all rounding: the slow way must then agree.
+fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: Vec3) -> bool {
+    let furthest = a.support(axis).dot(axis);
+    let back = b_in_a.inverse_vector(axis);
+    let nearest = b.support(-back).dot(back) + axis.dot(b_in_a.translation);
+    let rounding = 1e-5 * (furthest.abs() + nearest.abs() + b_in_a.translation.abs().element_sum());
+    nearest - furthest > margin * (1.0 + 1e-5) + rounding
+}
+
+/// The manifold of polyhedra that are apart: the nearest points, and where a face looks along the normal, what lies
+/// over that face.
+pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest: &Closest) -> Manifold {
+    let normal = closest.normal;
+    let (face_of_a, cosine_of_a) = a.face_towards(normal);
+    let (face_of_b, cosine_of_b) = b.face_towards(-b_in_a.inverse_vector(normal));
+    if cosine_of_a.max(cosine_of_b) < FACE_COSINE {
+        return closest.manifold();
+    }
+    // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
+    let kind =
+        if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
+    let axis = Axis { normal, separation: closest.distance, kind };
+    let slack = SLACK * a.inner_radius.min(b.inner_radius);
+    let mut points = over_face(a, b, b_in_a, margin, slack, &axis);
+    let deepest = points.iter().fold(f32::INFINITY, |d, p| d.min(p.distance));
+    if deepest > closest.distance + rounding(a, b, b_in_a) {
+        points.push(closest.point());
+    }
+    reduce(normal, &points)
+}
+
+/// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
+fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
+    if let Kind::Edges(i, j) = axis.kind {
+        return Some(single(axis, crossing(a, b, b_in_a, axis, i, j)));
+    }
+    let points = over_face(a, b, b_in_a, margin, slack, axis);
+    (!points.is_empty()).then(|| reduce(axis.normal, &points))
+}
+
+fn single(axis: &Axis, point: ContactPoint) -> Manifold {
+    reduce(axis.normal, &[point])
+}
+
+/// A length below which distances of these polyhedra are equal, metres.
+fn rounding(a: &Poly, b: &Poly, b_in_a: &Isometry) -> f32 {
+    let size = a.vertices[0].length() + b.vertices[0].length() + b_in_a.translation.length();
+    2e-7 * size
+}
+
+type Points = SmallVec<[ContactPoint; 24]>;
+
+/// The points of the incident face that lie over the reference face of `axis`, no further than `margin`.
+fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Points {
+    let loop_of = |poly: &Poly, f: usize, place: &dyn Fn(Vec3) -> Vec3| -> SmallVec<[Vec3; 24]> {
+        poly.face(f).iter().map(|&v| place(poly.vertices[v as usize])).collect()
+    };
+    let in_a = |p: Vec3| p;
+    let from_b = |p: Vec3| b_in_a.point(p);
+    let (reference, incident, outward, offset, names) = match axis.kind {
+        Kind::FaceOfB(f) => {
+            let outward = b_in_a.vector(b.normals[f]);
+            let g = a.face_at_support(-outward);
+            let offset = b.offsets[f] + outward.dot(b_in_a.translation);
+            (loop_of(b, f, &from_b), loop_of(a, g, &in_a), outward, offset, feature::faces(true, f, g))
+        }
+        Kind::FaceOfA(f) | Kind::Edges(f, _) => {
+            let outward = a.normals[f];
+            let g = b.face_at_support(-b_in_a.inverse_vector(outward));
+            (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
+        }
+    };
+    let polygon =
+        clip::clip(clip::incident(incident.iter().copied()), &reference, outward, axis.normal, slack);
+
+    // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.
+    let lean = outward.dot(axis.normal);
+    polygon
+        .iter()
+        .filter_map(|c| {
+            let distance = ((outward.dot(c.position) - offset) / lean.abs()).max(axis.separation);
+            // The corner is on B when the reference is A, and on A when it is B.
+            let half = 0.5 * distance * if lean > 0.0 { -axis.normal } else { axis.normal };
+            (distance <= margin).then(|| ContactPoint {
+                position: c.position + half,
+                distance,
+                feature: feature::corner(names, c.before, c.after),
+            })
+        })
+        .collect()
+}
+
+/// The point where two edges cross.
+fn crossing(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: &Axis, i: usize, j: usize) -> ContactPoint {
+    let [p, q] = a.edges[i].vertices.map(|v| a.vertices[v as usize]);
+    let [s, t] = b.edges[j].vertices.map(|v| b_in_a.point(b.vertices[v as usize]));
+    let (on_a, on_b) = segments::nearest([p, q], [s, t]).points();
+    ContactPoint { position: 0.5 * (on_a + on_b), distance: axis.separation, feature: feature::pair(i, j) }
+}
+
+/// The corner of the incident polyhedron that is deepest along the axis.
+fn corner(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: &Axis) -> ContactPoint {
+    let half = 0.5 * axis.separation * axis.normal;
+    let position = if let Kind::FaceOfB(_) = axis.kind {
+        a.support(axis.normal) + half
+    } else {
+        b_in_a.point(b.support(-b_in_a.inverse_vector(axis.normal))) - half
+    };
+    ContactPoint { position, distance: axis.separation, feature: feature::pair(0, 0) }
+}

@@ -1,0 +1,246 @@
+//! The plan of a scene: all shapes cooked, all bodies in their places, before there is a world.
+
+use crate::body::{self, Template};
+use crate::error::Problem;
+use crate::generators::{self, Pour};
+use crate::node::{Table, Value};
+use crate::random::Random;
+use crate::shapes::{self, Cook, bounding_ball, scaled};
+use crate::sizes::Sizes;
+use crate::source::Sources;
+use rockfall::{Material, Shape};
+use rockfall_math::{Pose, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a run knows of a body before it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyRow {
+    /// Its stable id in the world.
+    pub id: u64,
+    /// Its name, if it has one.
+    pub name: Option<String>,
+    /// Index of its shape among those of the scene, which is also the index of the world's
+    /// [`ShapeId`](rockfall::ShapeId).
+    pub shape: usize,
+    /// The factor by which a generator scaled the shape that the scene describes; already applied to `shape`.
+    pub scale: f32,
+}
+
+/// Everything that is needed to set up a world, and to pour more into it.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) templates: Vec<Template>,
+    /// Bodies that are there from the start: template and place. They have the first rows.
+    pub(crate) placed: Vec<(u32, Pose)>,
+    pub(crate) pours: Vec<Pour>,
+    /// All bodies, also those that are poured later.
+    pub(crate) rows: Vec<BodyRow>,
+}
+
+/// Which shapes and sizes a generator draws from.
+pub(crate) struct Choices {
+    /// Index of each family, and the number of its members.
+    families: Vec<(usize, usize)>,
+    scales: Vec<f32>,
+}
+
+/// Where a plan grows.
+pub(crate) struct Yard<'a> {
+    pub(crate) seed: u64,
+    root: &'a Table,
+    sources: &'a Sources,
+    /// Shapes as described, cooked when they are first used, by their order in the file.
+    families: BTreeMap<usize, Vec<Shape>>,
+    /// Shapes in use by family, member and the bits of the scale.
+    known: BTreeMap<(usize, usize, u32), u32>,
+    /// The ball around each shape in use.
+    balls: Vec<(Vec3, f32)>,
+    pours: Vec<(Pour, Vec<(u32, f32)>)>,
+    plan: Plan,
+}
+
+/// Lays out the scene `root`.
+pub(crate) fn plan(root: &Table, seed: u64, sources: &Sources) -> Result<Plan, Problem> {
+    let materials = root.named("materials").map(|(_, table)| crate::root::material(table)).collect();
+    let mut yard = Yard {
+        seed,
+        root,
+        sources,
+        families: BTreeMap::new(),
+        known: BTreeMap::new(),
+        balls: Vec::new(),
+        pours: Vec::new(),
+        plan: Plan {
+            shapes: Vec::new(),
+            materials,
+            templates: Vec::new(),
+            placed: Vec::new(),
+            pours: Vec::new(),
+            rows: Vec::new(),
+        },
+    };
+    let mut own_ids = BTreeMap::new();
+    for table in root.tables("bodies") {
+        let family = yard.family(table, "shape")?;
+        let shape = yard.sized(family, table.int("member") as usize, 1.0, table)?;
+        let template = Template::body(table, yard.material(table))?;
+        let template = yard.template(template);
+        let pose = body::pose(table)?;
+        if table.has("id") {
+            own_ids.insert(yard.plan.rows.len(), table.int("id"));
+        }
+        yard.add(template, shape, 1.0, pose);
+        if table.has("name")
+            && let Some(row) = yard.plan.rows.last_mut()
+        {
+            row.name = Some(table.text("name").to_owned());
+        }
+    }
+    for (table, number) in root.tables("generators").zip(1..) {
+        let label = match table.text("name") {
+            "" => format!("generators.{number}"),
+            name => format!("generators.{name}"),
+        };
+        (generators::kind_of(table).place)(table, &label, &mut yard)?;
+    }
+    Ok(yard.finish(&own_ids))
+}
+
+impl Yard<'_> {
+    /// The material that `table` names.
+    pub(crate) fn material(&self, table: &Table) -> u32 {
+        let name = table.text("material");
+        self.root.named("materials").position(|(n, _)| n == name).unwrap_or(0) as u32
+    }
+
+    pub(crate) fn template(&mut self, template: Template) -> u32 {
+        self.plan.templates.push(template);
+        (self.plan.templates.len() - 1) as u32
+    }
+
+    /// The template of a generator of dynamic bodies.
+    pub(crate) fn moving(&mut self, table: &Table) -> u32 {
+        let template = Template::moving(table, self.material(table));
+        self.template(template)
+    }
+
+    /// Cooks a shape that `table` names, if that has not been done.
+    fn family(&mut self, table: &Table, key: &str) -> Result<usize, Problem> {
+        self.family_named(table.text(key), table)
+    }
+
+    fn family_named(&mut self, name: &str, table: &Table) -> Result<usize, Problem> {
+        let found = self.root.named("shapes").enumerate().find(|(_, (n, _))| *n == name);
+        let Some((index, (_, shape))) = found else {
+            return Err(Problem::at(table.span, format!("no shape is called `{name}`")));
+        };
+        if !self.families.contains_key(&index) {
+            let context = Cook { seed: self.seed, sources: self.sources };
+            let shapes = (shapes::kind_of(shape).cook)(shape, &context)?;
+            self.families.insert(index, shapes);
+        }
+        Ok(index)
+    }
+
+    /// The first shape of the family that a key names, as it is described.
+    pub(crate) fn first_of(&mut self, table: &Table, key: &str) -> Result<Shape, Problem> {
+        let family = self.family(table, key)?;
+        self.member(family, 0, table)
+    }
+
+    fn member(&self, family: usize, member: usize, table: &Table) -> Result<Shape, Problem> {
+        let shape = self.families.get(&family).and_then(|shapes| shapes.get(member));
+        shape.cloned().ok_or_else(|| Problem::at(table.span, format!("`{}` uses no shape", table.path)))
+    }
+
+    /// A shape that a generator made itself.
+    pub(crate) fn shape(&mut self, shape: Shape) -> u32 {
+        self.balls.push(bounding_ball(&shape).unwrap_or_default());
+        self.plan.shapes.push(shape);
+        (self.plan.shapes.len() - 1) as u32
+    }
+
+    /// The shape of the scene at a size.
+    fn sized(&mut self, family: usize, member: usize, scale: f32, table: &Table) -> Result<u32, Problem> {
+        let key = (family, member, scale.to_bits());
+        if let Some(&shape) = self.known.get(&key) {
+            return Ok(shape);
+        }
+        let shape = scaled(&self.member(family, member, table)?, scale).map_err(|why| {
+            Problem::at(table.span_of("shape"), format!("`{}` at size {scale}: {why}", table.path_of("shape")))
+        })?;
+        let shape = self.shape(shape);
+        self.known.insert(key, shape);
+        Ok(shape)
+    }
+
+    /// What the keys `shape` and `size` of a generator offer.
+    pub(crate) fn choices(&mut self, table: &Table) -> Result<Choices, Problem> {
+        let names: Vec<String> = match table.node("shape").map(|n| &n.value) {
+            Some(Value::List(list)) => list.iter().map(|n| n.value.text().to_owned()).collect(),
+            _ => vec![table.text("shape").to_owned()],
+        };
+        let mut families = Vec::new();
+        for name in names {
+            let family = self.family_named(&name, table)?;
+            families.push((family, self.families[&family].len()));
+        }
+        let scales = table.table("size").map_or_else(
+            || vec![1.0],
+            |size| {
+                let sizes = Sizes::read(size, size.f64("min"), size.f64("max"));
+                sizes.classes(size.int("classes") as usize).into_iter().map(|s| s as f32).collect()
+            },
+        );
+        Ok(Choices { families, scales })
+    }
+
+    /// A shape and its scale, at random.
+    pub(crate) fn draw(
+        &mut self,
+        choices: &Choices,
+        table: &Table,
+        random: &mut Random,
+    ) -> Result<(u32, f32), Problem> {
+        let (family, members) = choices.families[random.below(choices.families.len())];
+        let member = random.below(members);
+        let scale = choices.scales[random.below(choices.scales.len())];
+        Ok((self.sized(family, member, scale, table)?, scale))
+    }
+
+    /// The ball around a shape: centre in the shape's frame, and radius.
+    pub(crate) fn ball(&self, shape: u32) -> (Vec3, f32) {
+        self.balls[shape as usize]
+    }
+
+    /// Adds a body that is there from the start.
+    pub(crate) fn add(&mut self, template: u32, shape: u32, scale: f32, pose: Pose) {
+        self.plan.placed.push((template, pose));
+        self.plan.rows.push(BodyRow { id: 0, name: None, shape: shape as usize, scale });
+    }
+
+    /// Adds bodies that come later: the shape and scale of each.
+    pub(crate) fn pour(&mut self, pour: Pour, drawn: Vec<(u32, f32)>) {
+        self.pours.push((pour, drawn));
+    }
+
+    /// Gives rows to what is poured, and ids to all.
+    fn finish(self, own_ids: &BTreeMap<usize, u64>) -> Plan {
+        let Yard { mut plan, pours, .. } = self;
+        for (mut pour, drawn) in pours {
+            let first = plan.rows.len();
+            let row = |(shape, scale)| BodyRow { id: 0, name: None, shape: shape as usize, scale };
+            plan.rows.extend(drawn.into_iter().map(row));
+            pour.rows = first..plan.rows.len();
+            plan.pours.push(pour);
+        }
+        let taken: BTreeSet<u64> = own_ids.values().copied().collect();
+        let mut free = (1..).filter(|id| !taken.contains(id));
+        for (index, row) in plan.rows.iter_mut().enumerate() {
+            row.id = own_ids.get(&index).copied().or_else(|| free.next()).unwrap_or(0);
+        }
+        plan
+    }
+}

@@ -1,0 +1,215 @@
+//! The keys of a scene file and of its tables `[world]` and `[materials.NAME]`, and how they are read.
+
+use crate::body::BODY;
+use crate::error::Problem;
+use crate::generators::GENERATORS;
+use crate::node::Table;
+use crate::shapes::SHAPES;
+use crate::spec::{ANY, Kinds, NOT_NEGATIVE, POSITIVE, Range, SHARE, Spec, Ty, key, optional};
+use rockfall::{Material, Mix, Settings, Solver};
+
+/// A scene file.
+pub(crate) static ROOT: Spec = Spec {
+    name: "scene",
+    about: "A scene file.",
+    example: r#"[shapes.ball]
+kind = "sphere"
+radius = 0.5
+
+[[bodies]]
+shape = "ball"
+position = [0, 0, 10]
+"#,
+    groups: &[&[
+        key(
+            "include",
+            Ty::Texts,
+            "[]",
+            "Scene files to read before this one, relative to it. Their materials, shapes, bodies and generators come \
+             first; a key of `[world]` that is set here wins over theirs. A file that is included twice is read once.",
+        ),
+        key("world", Ty::Table(&WORLD), "{}", "What holds for the whole scene."),
+        key(
+            "materials",
+            Ty::Named(&Ty::Table(&MATERIAL)),
+            "{}",
+            "Materials by name. A scene that defines no `default` has one with all defaults.",
+        ),
+        key("shapes", Ty::Named(&Ty::Kinds(SHAPE_KINDS)), "{}", "Shapes by name, shared by any number of bodies."),
+        key("bodies", Ty::List(&Ty::Table(&BODY)), "[]", "Bodies, one by one."),
+        key("generators", Ty::List(&Ty::Kinds(GENERATOR_KINDS)), "[]", "Bodies in bulk."),
+    ]],
+};
+
+static SHAPE_KINDS: &Kinds = &SHAPES;
+static GENERATOR_KINDS: &Kinds = &GENERATORS;
+
+pub(crate) const SOLVERS: &[&str] = &["soft-step", "impulse", "reflect"];
+const RATE: Range = Range { min: 1.0, max: 100_000.0 };
+
+pub(crate) static WORLD: Spec = Spec {
+    name: "world",
+    about: "What holds for the whole scene.",
+    example: r#"[world]
+gravity = [0, 0, -3.71] # Mars
+duration = 10
+substeps = 8
+"#,
+    groups: &[&[
+        key("gravity", Ty::Numbers(&[3], ANY), "[0, 0, -9.81]", "m/s². z is up."),
+        key("rate", Ty::Number(RATE), "60", "Frames per second of simulated time."),
+        key("substeps", Ty::Int(1, 1000), "4", "Sub-steps in a frame."),
+        key(
+            "solver",
+            Ty::Choice(SOLVERS),
+            "\"soft-step\"",
+            "How contacts are answered: `soft-step` carries large piles; `impulse` and `reflect` are the two responses \
+             of the report.",
+        ),
+        optional("duration", Ty::Number(POSITIVE), "Simulated time, s; another way to say `frames`."),
+        optional("frames", Ty::Int(1, 1_000_000_000), "Frames to simulate. 300 where neither is given."),
+        key("seed", Ty::Int(0, u64::MAX), "1", "All random numbers of the scene come from it."),
+        key(
+            "contact_hertz",
+            Ty::Number(POSITIVE),
+            "30",
+            "`soft-step`: natural frequency of the position correction, Hz.",
+        ),
+        key(
+            "contact_damping",
+            Ty::Number(NOT_NEGATIVE),
+            "10",
+            "`soft-step`: damping ratio of the position correction; 1 is critical, larger is calmer.",
+        ),
+        key("push_speed", Ty::Number(NOT_NEGATIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
+        key(
+            "restitution_threshold",
+            Ty::Number(NOT_NEGATIVE),
+            "1",
+            "Contacts that close more slowly than this don't bounce, m/s.",
+        ),
+        key("sleeping", Ty::Bool, "true", "Bodies at rest fall asleep and cost nothing."),
+        key(
+            "sleep_speed",
+            Ty::Number(NOT_NEGATIVE),
+            "0.05",
+            "A body is at rest when no point of it is faster, m/s.",
+        ),
+        key(
+            "sleep_time",
+            Ty::Number(NOT_NEGATIVE),
+            "0.5",
+            "A group of touching bodies sleeps after so long at rest, s.",
+        ),
+        key("continuous", Ty::Bool, "true", "Fast bodies are stopped at what they would pass through."),
+    ]],
+};
+
+const MIXES: &[&str] = &["average", "geometric-mean", "minimum", "product", "maximum"];
+const FRICTION: Range = Range { min: 0.0, max: 1000.0 };
+
+pub(crate) static MATERIAL: Spec = Spec {
+    name: "material",
+    about: "What a surface is made of. The defaults are those of rock.",
+    example: r#"[materials.ice]
+density = 917
+friction = 0.03
+friction_mix = "minimum"
+"#,
+    groups: &[&[
+        key("density", Ty::Number(POSITIVE), "2600", "kg/m³."),
+        key("restitution", Ty::Number(SHARE), "0", "0 stops dead, 1 bounces back to the start (the report's μ_N)."),
+        key("friction", Ty::Number(FRICTION), "0.6", "Coulomb's coefficient (the report's μ_T)."),
+        key(
+            "rolling_friction",
+            Ty::Number(NOT_NEGATIVE),
+            "0",
+            "Lever arm of the torque against rolling, m: the torque is at most this times the normal force.",
+        ),
+        key(
+            "twisting_friction",
+            Ty::Number(NOT_NEGATIVE),
+            "0",
+            "Lever arm of the torque against spinning on the spot, m.",
+        ),
+        key(
+            "friction_mix",
+            Ty::Choice(MIXES),
+            "\"geometric-mean\"",
+            "How the friction of two materials becomes one. Of two different rules the later in this list wins.",
+        ),
+        key("restitution_mix", Ty::Choice(MIXES), "\"maximum\"", "The same for restitution."),
+    ]],
+};
+
+/// The settings of `[world]`, with as many threads and lanes as the machine has.
+pub(crate) fn settings(world: &Table) -> Settings {
+    Settings {
+        gravity: world.vec3("gravity"),
+        rate: world.f32("rate"),
+        substeps: world.int("substeps") as u32,
+        solver: match world.text("solver") {
+            "impulse" => Solver::Impulse,
+            "reflect" => Solver::Reflect,
+            _ => Solver::SoftStep,
+        },
+        contact_hertz: world.f32("contact_hertz"),
+        contact_damping: world.f32("contact_damping"),
+        push_speed: world.f32("push_speed"),
+        restitution_threshold: world.f32("restitution_threshold"),
+        sleeping: world.bool("sleeping"),
+        sleep_speed: world.f32("sleep_speed"),
+        sleep_time: world.f32("sleep_time"),
+        continuous: world.bool("continuous"),
+        threads: 0,
+        lanes: 0,
+    }
+}
+
+/// The word for a solver.
+pub(crate) fn solver_word(solver: Solver) -> &'static str {
+    match solver {
+        Solver::SoftStep => "soft-step",
+        Solver::Impulse => "impulse",
+        Solver::Reflect => "reflect",
+    }
+}
+
+/// Frames to simulate, from `frames` or `duration`.
+pub(crate) fn frames(world: &Table) -> Result<u64, Problem> {
+    match (world.has("frames"), world.has("duration")) {
+        (true, true) => {
+            let span = world.span_of("duration");
+            Err(Problem::at(span, "`world` has both `frames` and `duration`").expecting("one of them"))
+        }
+        (true, false) => Ok(world.int("frames")),
+        (false, true) => {
+            let frames = (world.f64("duration") * world.f64("rate")).round().max(1.0);
+            if frames > 1e9 {
+                let message = format!("`world.duration` makes {frames} frames");
+                return Err(Problem::at(world.span_of("duration"), message).expecting("at most 1e9"));
+            }
+            Ok(frames as u64)
+        }
+        (false, false) => Ok(300),
+    }
+}
+
+pub(crate) fn material(table: &Table) -> Material {
+    let mix = |key| match table.text(key) {
+        "average" => Mix::Average,
+        "minimum" => Mix::Minimum,
+        "product" => Mix::Product,
+        "maximum" => Mix::Maximum,
+        _ => Mix::GeometricMean,
+    };
+    Material {
+        density: table.f32("density"),
+        restitution: table.f32("restitution"),
+        friction: table.f32("friction"),
+        rolling_friction: table.f32("rolling_friction"),
+        twisting_friction: table.f32("twisting_friction"),
+        friction_mix: mix("friction_mix"),
+        restitution_mix: mix("restitution_mix"),
+    }
+}

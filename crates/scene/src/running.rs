@@ -1,0 +1,136 @@
+//! A scene at work: its world, and what is still to be poured into it.
+
+use crate::body::Template;
+use crate::generators::Pour;
+use crate::plan::{BodyRow, Plan};
+use crate::shapes::bounding_ball;
+use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, Shape, ShapeId, World};
+use rockfall_math::{DVec3, Pose, Vec3, rotation::rotate};
+
+/// A world that was built from a scene, and the bodies that will come later.
+///
+/// Call [`Running::before_step`] before each [`World::step`].
+#[derive(Debug)]
+pub struct Running {
+    /// The world, with all bodies that are there from the start.
+    pub world: World,
+    shapes: Vec<ShapeId>,
+    materials: Vec<MaterialId>,
+    templates: Vec<Template>,
+    rows: Vec<BodyRow>,
+    pours: Vec<Pour>,
+    /// Bodies that each pour has emitted.
+    emitted: Vec<usize>,
+    /// The ball around each shape: centre and radius, m.
+    balls: Vec<Option<(Vec3, f32)>>,
+    rate: f64,
+}
+
+impl Running {
+    /// Sets up the world of a plan.
+    pub(crate) fn new(settings: Settings, plan: Plan) -> Result<Self, Error> {
+        let mut world = World::new(settings)?;
+        let Plan { shapes, materials, templates, placed, pours, rows } = plan;
+        let balls = shapes.iter().map(bounding_ball).collect();
+        let shapes: Vec<ShapeId> = shapes.into_iter().map(|s: Shape| world.add_shape(s)).collect();
+        let materials: Vec<MaterialId> =
+            materials.into_iter().map(|m| world.add_material(m)).collect::<Result<_, _>>()?;
+        let emitted = vec![0; pours.len()];
+        let mut running = Running {
+            world,
+            shapes,
+            materials,
+            templates,
+            rows,
+            pours,
+            emitted,
+            balls,
+            rate: f64::from(settings.rate),
+        };
+        let body = |(k, &(template, pose)): (usize, &(u32, Pose))| running.body(k, template, pose);
+        let bodies: Vec<Body> = placed.iter().enumerate().map(body).collect();
+        running.world.spawn_all(bodies)?;
+        Ok(running)
+    }
+
+    /// Every body of the scene, those included that are yet to come; ids ascend unless the scene chose some.
+    pub fn body_table(&self) -> &[BodyRow] {
+        &self.rows
+    }
+
+    /// Bodies that have not been poured yet.
+    pub fn waiting(&self) -> usize {
+        self.pours.iter().zip(&self.emitted).map(|(p, n)| p.rows.len() - n).sum()
+    }
+
+    /// Emits what is due before step `frame`, counted from 0, and says how many bodies that were. Those that find no
+    /// room wait for the next frame.
+    ///
+    /// # Errors
+    /// What the world says of a body; the scene's checks leave no reason for it.
+    pub fn before_step(&mut self, frame: u64) -> Result<usize, Error> {
+        let mut count = 0;
+        for p in 0..self.pours.len() {
+            if self.pours[p].due(frame, self.rate) > self.emitted[p] {
+                let bodies = self.emit(p, frame);
+                count += bodies.len();
+                self.emitted[p] += bodies.len();
+                self.world.spawn_all(bodies)?;
+            }
+        }
+        Ok(count)
+    }
+
+    /// The bodies of pour `p` that are due and find room.
+    fn emit(&self, p: usize, frame: u64) -> Vec<Body> {
+        let pour = &self.pours[p];
+        let mut balls = self.balls_near(pour);
+        let mut bodies = Vec::new();
+        for k in self.emitted[p]..pour.due(frame, self.rate) {
+            let row = pour.rows.start + k;
+            let Some((centre, radius)) = self.balls[self.rows[row].shape] else { break };
+            let radius = f64::from(radius);
+            let clear = |at: &DVec3| {
+                balls.iter().all(|(other, r)| (*other - *at).length() >= r + radius + pour.gap)
+            };
+            let Some(place) = pour.candidates(k, frame, radius).find(clear) else { break };
+            balls.push((place, radius));
+            let rotation = pour.rotation(k);
+            let position = place - rotate(rotation, centre).as_dvec3();
+            bodies.push(self.body(row, pour.template, Pose { position, rotation }));
+        }
+        bodies
+    }
+
+    /// The balls around all bodies that can move and are near the region of a pour.
+    fn balls_near(&self, pour: &Pour) -> Vec<(DVec3, f64)> {
+        let (poses, shapes, kinds) = (self.world.poses(), self.world.shapes_of_bodies(), self.world.kinds());
+        let ball = |((pose, shape), kind): ((&Pose, &ShapeId), &Kind)| {
+            let (centre, radius) = self.balls.get(shape.index()).copied().flatten()?;
+            let (centre, radius) = (pose.point(centre), f64::from(radius));
+            (*kind != Kind::Static && pour.is_near(centre, radius)).then_some((centre, radius))
+        };
+        poses.iter().zip(&shapes).zip(&kinds).filter_map(ball).collect()
+    }
+
+    fn body(&self, row: usize, template: u32, pose: Pose) -> Body {
+        let (row, template) = (&self.rows[row], &self.templates[template as usize]);
+        Body {
+            id: Some(BodyId(row.id)),
+            name: row.name.clone(),
+            kind: template.kind,
+            shape: self.shapes[row.shape],
+            material: self.materials[template.material as usize],
+            pose,
+            velocity: template.velocity,
+            angular_velocity: template.angular_velocity,
+            gravity_scale: template.gravity_scale,
+            linear_damping: template.linear_damping,
+            angular_damping: template.angular_damping,
+            locks: template.locks,
+            group: template.group,
+            mask: template.mask,
+            mass: template.mass,
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! A scene, from its file to a world.
+
+use crate::error::{Problem, SceneError};
+use crate::load::{self, Loader};
+use crate::memory::{self, Estimate};
+use crate::node::{Table, Value};
+use crate::plan::{BodyRow, Plan, plan};
+use crate::running::Running;
+use crate::source::{Source, Sources};
+use crate::{root, write};
+use rockfall::{Settings, Solver};
+use std::path::Path;
+
+/// A scene that has been read and checked.
+///
+/// # Examples
+/// ```
+/// let text = r#"
+///     [shapes.ball]
+///     kind = "sphere"
+///     radius = 0.5
+///
+///     [[bodies]]
+///     shape = "ball"
+///     position = [0, 0, 10]
+/// "#;
+/// let scene = rockfall_scene::Scene::parse(text, "ball.toml", ".")?;
+/// assert_eq!(scene.body_count(), 1);
+/// assert_eq!(scene.frames, 300);
+/// # Ok::<(), rockfall_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Settings of the world. Threads and lanes are left to the machine; they never change a result.
+    pub settings: Settings,
+    /// Frames to simulate.
+    pub frames: u64,
+    /// All random numbers of the scene come from it.
+    pub seed: u64,
+    root: Table,
+    sources: Sources,
+}
+
+/// Two scenes are equal when they describe the same thing, however it was written.
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        self.root == other.root
+    }
+}
+
+impl Scene {
+    /// Reads the scene file at `path` and all that it includes.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the files.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let mut loader = Loader::default();
+        loader.file(path.as_ref(), None);
+        Scene::new(loader)
+    }
+
+    /// Reads a scene from a text. `name` is what messages call it; paths in it start at the folder `base`.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the text and the files that it includes.
+    pub fn parse(text: &str, name: &str, base: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let mut loader = Loader::default();
+        loader.text(Source { name: name.to_owned(), text: text.to_owned(), base: base.as_ref().to_owned() });
+        Scene::new(loader)
+    }
+
+    fn new(loader: Loader) -> Result<Self, SceneError> {
+        let (root, sources) = loader.finish()?;
+        let missing = || SceneError::one(Problem::new("the scene has no `[world]`"), &sources);
+        let world = root.table("world").ok_or_else(missing)?;
+        let (settings, frames, seed) = (root::settings(world), world.int("frames"), world.int("seed"));
+        Ok(Scene { settings, frames, seed, root, sources })
+    }
+
+    /// Another seed: other random numbers.
+    pub fn override_seed(&mut self, seed: u64) {
+        self.seed = seed;
+        self.set("seed", Value::Int(seed));
+    }
+
+    /// Another number of frames.
+    pub fn override_frames(&mut self, frames: u64) {
+        self.frames = frames;
+        self.set("frames", Value::Int(frames));
+    }
+
+    /// Another solver.
+    pub fn override_solver(&mut self, solver: Solver) {
+        self.settings.solver = solver;
+        self.set("solver", Value::Text(root::solver_word(solver).to_owned()));
+    }
+
+    /// Another number of sub-steps.
+    pub fn override_substeps(&mut self, substeps: u32) {
+        self.settings.substeps = substeps;
+        self.set("substeps", Value::Int(substeps.into()));
+    }
+
+    fn set(&mut self, key: &'static str, value: Value) {
+        load::edit_world(&mut self.root, |world| world.set(key, value));
+    }
+
+    /// Bodies, those included that will be poured.
+    pub fn body_count(&self) -> u64 {
+        self.estimate().bodies
+    }
+
+    /// What the scene will need, without building it.
+    pub fn estimate(&self) -> Estimate {
+        memory::estimate(&self.root)
+    }
+
+    /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
+    /// generators. It reads back as an equal scene.
+    pub fn to_toml_filled(&self) -> String {
+        write::scene(&self.root, &self.sources)
+    }
+
+    /// Id, name, shape and scale of every body, those included that will be poured. [`Running::body_table`] has the
+    /// same for a scene that is being built anyway.
+    ///
+    /// # Errors
+    /// As for [`Scene::build`].
+    pub fn body_table(&self) -> Result<Vec<BodyRow>, SceneError> {
+        Ok(self.plan()?.rows)
+    }
+
+    /// Cooks the shapes, places the bodies and sets up the world.
+    ///
+    /// # Errors
+    /// A scene that needs more memory than there is, geometry that can't be cooked, a fill that does not fit.
+    pub fn build(&self) -> Result<Running, SceneError> {
+        let plan = self.plan()?;
+        Running::new(self.settings, plan)
+            .map_err(|e| SceneError::one(Problem::new(format!("the world refused the scene: {e}")), &self.sources))
+    }
+
+    /// Looks for everything that could go wrong in [`Scene::build`], short of the world itself, on a machine with
+    /// `memory` bytes to spare; `None` for no limit.
+    ///
+    /// # Errors
+    /// As for [`Scene::build`].
+    pub fn check_within(&self, memory: Option<u64>) -> Result<(), SceneError> {
+        self.plan_within(memory).map(|_| ())
+    }
+
+    pub(crate) fn plan(&self) -> Result<Plan, SceneError> {
+        self.plan_within(memory::available())
+    }
+
+    fn plan_within(&self, available: Option<u64>) -> Result<Plan, SceneError> {
+        let Estimate { bodies, memory, .. } = self.estimate();
+        if let Some(available) = available.filter(|&a| memory > a) {
+            let message = format!(
+                "{bodies} bodies need about {} of memory, and {} are free",
+                memory::human(memory),
+                memory::human(available)
+            );
+            return Err(SceneError::one(Problem::new(message).expecting("fewer bodies"), &self.sources));
+        }
+        plan(&self.root, self.seed, &self.sources).map_err(|p| SceneError::one(p, &self.sources))
+    }
+}

@@ -1,0 +1,159 @@
+//! Shapes: from their tables to geometry. A table makes one shape, or a family of them.
+
+mod boulders;
+mod boxes;
+mod height_field;
+mod hull;
+mod mesh;
+mod round;
+
+use crate::error::Problem;
+use crate::node::Table;
+use crate::source::Sources;
+use crate::spec::{Kinds, Spec};
+use rockfall::Shape;
+use rockfall_math::Vec3;
+use std::path::PathBuf;
+
+/// One kind of shape. To add one, copy the file of a neighbour and add it to [`KINDS`] and [`SHAPES`].
+#[derive(Debug)]
+pub(crate) struct ShapeKind {
+    pub(crate) spec: &'static Spec,
+    /// It has no inside, so that it can't be dynamic.
+    pub(crate) immovable: bool,
+    /// Shapes in its family.
+    pub(crate) members: fn(&Table) -> u64,
+    /// Rough size in memory, bytes, from the table alone.
+    pub(crate) memory: fn(&Table) -> u64,
+    /// What the types of its keys can't say.
+    pub(crate) check: fn(&Table) -> Result<(), Problem>,
+    pub(crate) cook: fn(&Table, &Cook<'_>) -> Result<Vec<Shape>, Problem>,
+}
+
+/// What cooking may need besides the table.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cook<'a> {
+    pub(crate) seed: u64,
+    pub(crate) sources: &'a Sources,
+}
+
+static KINDS: [&ShapeKind; 9] = [
+    &round::SPHERE,
+    &round::BOX,
+    &round::CAPSULE,
+    &hull::HULL,
+    &round::HALF_SPACE,
+    &mesh::MESH,
+    &height_field::HEIGHT_FIELD,
+    &boulders::BOULDERS,
+    &boxes::BOXES,
+];
+
+pub(crate) static SHAPES: Kinds = Kinds {
+    name: "shape",
+    default: None,
+    cases: &[
+        &round::SPHERE_KEYS,
+        &round::BOX_KEYS,
+        &round::CAPSULE_KEYS,
+        &hull::HULL_KEYS,
+        &round::HALF_SPACE_KEYS,
+        &mesh::MESH_KEYS,
+        &height_field::HEIGHT_FIELD_KEYS,
+        &boulders::BOULDERS_KEYS,
+        &boxes::BOXES_KEYS,
+    ],
+};
+
+/// The kind of a shape's table.
+pub(crate) fn kind_of(table: &Table) -> &'static ShapeKind {
+    KINDS.iter().copied().find(|k| std::ptr::eq(k.spec, table.spec)).unwrap_or(&round::SPHERE)
+}
+
+/// For kinds that make one shape.
+fn one(_: &Table) -> u64 {
+    1
+}
+
+/// For kinds whose keys say everything.
+fn nothing_to_check(_: &Table) -> Result<(), Problem> {
+    Ok(())
+}
+
+/// For shapes without tables of their own.
+fn small(_: &Table) -> u64 {
+    256
+}
+
+/// The one of `keys` that is given.
+fn only_one_of(table: &Table, keys: &[&'static str]) -> Result<&'static str, Problem> {
+    let given: Vec<&'static str> = keys.iter().copied().filter(|k| table.has(k)).collect();
+    let expected = crate::spec::one_of(keys.iter().copied());
+    match given[..] {
+        [one] => Ok(one),
+        [] => {
+            let message = format!("`{}` does not say where its geometry comes from", table.path);
+            Err(Problem::at(table.span, message).expecting(expected))
+        }
+        [first, second, ..] => {
+            let message = format!("`{}` has both `{first}` and `{second}`", table.path);
+            Err(Problem::at(table.span_of(second), message).expecting(format!("only one of {expected}")))
+        }
+    }
+}
+
+/// Something went wrong with what a key gives.
+fn failed(table: &Table, key: &str, why: impl std::fmt::Display) -> Problem {
+    Problem::at(table.span_of(key), format!("`{}`: {why}", table.path_of(key)))
+}
+
+/// The path that a key gives, from the folder of the file that it stands in.
+pub(crate) fn path_of(table: &Table, key: &str, sources: &Sources) -> PathBuf {
+    sources.get(table.span_of(key)).base.join(table.text(key))
+}
+
+/// A ball around a shape: its centre in the shape's frame and its radius; none for what has no end.
+pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
+    Some(match shape {
+        Shape::Sphere { radius } => (Vec3::ZERO, *radius),
+        Shape::Box { half } => (Vec3::ZERO, half.length()),
+        Shape::Capsule { half_length, radius } => (Vec3::ZERO, half_length + radius),
+        Shape::Hull(hull) => {
+            let far = hull.vertices.iter().map(|v| (*v - hull.center).length()).fold(0.0, f32::max);
+            (hull.center, far)
+        }
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
+    })
+}
+
+/// A shape at another size.
+///
+/// # Errors
+/// What hull cooking says of the scaled corners.
+pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
+    Ok(match shape {
+        Shape::Sphere { radius } => Shape::Sphere { radius: radius * by },
+        Shape::Box { half } => Shape::Box { half: *half * by },
+        Shape::Capsule { half_length, radius } => {
+            Shape::Capsule { half_length: half_length * by, radius: radius * by }
+        }
+        Shape::Hull(hull) if by != 1.0 => {
+            let corners: Vec<Vec3> = hull.vertices.iter().map(|v| *v * by).collect();
+            hull::cook(&corners, corners.len()).map_err(|e| e.to_string())?
+        }
+        other => other.clone(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_in_both_lists() {
+        assert_eq!(KINDS.len(), SHAPES.cases.len());
+        for (kind, spec) in KINDS.iter().zip(SHAPES.cases) {
+            assert!(std::ptr::eq(kind.spec, *spec), "{}", spec.name);
+        }
+    }
+}

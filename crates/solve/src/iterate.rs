@@ -1,0 +1,216 @@
+//! Stage 9, **solve** and **relax**: one sweep of sequential impulses.
+//!
+//! Reads batches and drift; writes impulses and velocities. For each manifold in turn: friction at the middle of its
+//! points as a true cone, twist about the normal, rolling, then each point's normal impulse, so that non-penetration has
+//! the last word. With position correction the sweep is *solve*, without it *relax*; contacts that have not closed yet
+//! (speculative ones) keep their gap in both.
+//!
+//! The signed distance follows the drift to first order: s = s₀ + n · (Δp_b − Δp_a + Δθ_b × r_b − Δθ_a × r_a). For a ball
+//! that rolls this is exact; an edge that turns by Δθ errs by r Δθ² / 2, on the side of more room.
+
+use crate::batch::Batches;
+use crate::block::{Block, Cold, load, load3, store, tangents};
+use crate::line::Columns;
+use crate::soft::{Softness, SubStep};
+use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
+use rockfall_math::Vec3;
+use rockfall_math::disjoint::DisjointRows;
+use rockfall_math::lanes::{Lanes, Lanes3, Width};
+
+/// One sweep over all contacts.
+pub fn iterate(batches: &mut Batches, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
+    let rows = Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
+    sweep(batches, &rows, width, &Iterate { step: *step });
+}
+
+struct Iterate {
+    step: SubStep,
+}
+
+impl Visit for Iterate {
+    #[inline(always)]
+    fn visit<L: Lanes, const P: usize, const T: usize>(
+        &self,
+        token: L::Token,
+        rows: &Rows<'_>,
+        block: &mut Block<P, T>,
+        mut cold: Option<&mut Cold>,
+        k: usize,
+        one_sided: bool,
+    ) {
+        let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
+        let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        let normal: Lanes3<L> = load3(token, &block.normal, k);
+        let offset: Lanes3<L> = load3(token, &block.offset, k);
+        let zero = L::splat(token, 0.0);
+
+        let mut middle = Lanes3::splat(token, Vec3::ZERO);
+        let mut pressed = zero;
+        for p in 0..P {
+            middle = middle + load3(token, &block.arms[p], k);
+            pressed = pressed + load(token, &block.impulses[p], k);
+        }
+        let middle = middle.scale(L::splat(token, 1.0 / P as f32));
+
+        rub(token, block, k, &mut a, &mut b, normal, middle, pressed);
+        for twist in 0..T {
+            let mass = load(token, &block.twist_mass[twist], k);
+            let limit = load::<L>(token, &block.twist_limit[twist], k) * pressed;
+            let impulse = &mut block.twist_impulse[twist];
+            let spin = Spin { mass, limit, normal };
+            spin.resist(token, impulse, k, &mut a, &mut b);
+        }
+        if let Some(cold) = cold.as_deref_mut() {
+            roll(token, cold, k, &mut a, &mut b, normal, pressed);
+            if T == 0 {
+                let mass = load(token, &cold.twist_mass, k);
+                let limit = load::<L>(token, &cold.twist_limit, k) * pressed;
+                Spin { mass, limit, normal }.resist(token, &mut cold.twist_impulse, k, &mut a, &mut b);
+            }
+        }
+
+        // Normal impulses, point by point.
+        let soft = if one_sided { self.step.one_sided } else { self.step.two_sided };
+        let (pa, ta) = gather_drift(token, rows, &block.a, k);
+        let (pb, tb) = gather_drift(token, rows, &block.b, k);
+        let gap = normal.dot(pb - pa);
+        for p in 0..P {
+            let arm_a = load3(token, &block.arms[p], k);
+            let arm_b = arm_a - offset;
+            let lever_a = arm_a.cross(normal);
+            let lever_b = arm_b.cross(normal);
+            let distance =
+                load::<L>(token, &block.distances[p], k) + (gap + (lever_b.dot(tb) - lever_a.dot(ta)));
+            let (bias, mass_scale, leak) = correction(token, &self.step, &soft, distance);
+
+            let speed = normal.dot(b.v - a.v) + (lever_b.dot(b.w) - lever_a.dot(a.w));
+            let mass: L = load(token, &block.masses[p], k);
+            let old: L = load(token, &block.impulses[p], k);
+            let new = (old - mass * mass_scale * (speed + bias) - leak * old).max(zero);
+            store(new, &mut block.impulses[p], k);
+            if let Some(cold) = cold.as_deref_mut() {
+                let peak: L = load(token, &cold.peak[p], k);
+                store(new.max(peak), &mut cold.peak[p], k);
+            }
+
+            let j = new - old;
+            let along = normal.scale(j);
+            a.v = a.v - along.scale(a.inverse_mass);
+            a.w = a.w - a.inverse_inertia.times(lever_a).scale(j);
+            if !one_sided {
+                b.v = b.v + along.scale(b.inverse_mass);
+                b.w = b.w + b.inverse_inertia.times(lever_b).scale(j);
+            }
+        }
+        a.scatter(rows, &block.a, k);
+        if !one_sided {
+            b.scatter(rows, &block.b, k);
+        }
+    }
+}
+
+/// Velocity to add to the approach, factor on the mass, and leak of the impulse, for a signed distance.
+#[inline(always)]
+fn correction<L: Lanes>(token: L::Token, step: &SubStep, soft: &Softness, distance: L) -> (L, L, L) {
+    let zero = L::splat(token, 0.0);
+    let one = L::splat(token, 1.0);
+    let open = zero.lt(distance);
+    let push = (distance * L::splat(token, soft.rate)).max(L::splat(token, -step.push_speed));
+    (
+        L::select(open, distance * L::splat(token, 1.0 / step.h), push),
+        L::select(open, one, L::splat(token, soft.mass_scale)),
+        L::select(open, zero, L::splat(token, soft.impulse_scale)),
+    )
+}
+
+/// Coulomb friction: the impulse that stops the middle of the points, shortened to the cone's radius.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn rub<L: Lanes, const P: usize, const T: usize>(
+    token: L::Token,
+    block: &mut Block<P, T>,
+    k: usize,
+    a: &mut BodyLanes<L>,
+    b: &mut BodyLanes<L>,
+    normal: Lanes3<L>,
+    middle: Lanes3<L>,
+    pressed: L,
+) {
+    let arm_b = middle - load3(token, &block.offset, k);
+    let (s, t) = tangents(token, normal);
+    let slip = b.at(arm_b) - a.at(middle);
+    let (slip_s, slip_t) = (s.dot(slip), t.dot(slip));
+    let [m11, m12, m22] = [0, 1, 2].map(|i| load::<L>(token, &block.tangent_mass[i], k));
+    let old_s: L = load(token, &block.tangent_impulse[0], k);
+    let old_t: L = load(token, &block.tangent_impulse[1], k);
+    let new_s = old_s - (m11 * slip_s + m12 * slip_t);
+    let new_t = old_t - (m12 * slip_s + m22 * slip_t);
+    let limit = load::<L>(token, &block.friction, k) * pressed;
+    let scale = shorten(token, limit, new_s * new_s + new_t * new_t);
+    let (new_s, new_t) = (new_s * scale, new_t * scale);
+    store(new_s, &mut block.tangent_impulse[0], k);
+    store(new_t, &mut block.tangent_impulse[1], k);
+    let j = s.scale(new_s - old_s) + t.scale(new_t - old_t);
+    a.push(-j, middle);
+    b.push(j, arm_b);
+}
+
+/// The factor that brings a vector of squared length `squared` down to `limit`; 1 where it is shorter.
+#[inline(always)]
+fn shorten<L: Lanes>(token: L::Token, limit: L, squared: L) -> L {
+    let long = (limit * limit).lt(squared);
+    let length = L::select(long, squared, L::splat(token, 1.0)).sqrt();
+    L::select(long, limit / length, L::splat(token, 1.0))
+}
+
+/// Torque about the normal against twisting.
+struct Spin<L> {
+    mass: L,
+    limit: L,
+    normal: Lanes3<L>,
+}
+
+impl<L: Lanes> Spin<L> {
+    #[inline(always)]
+    fn resist(
+        &self,
+        token: L::Token,
+        impulse: &mut crate::block::Column,
+        k: usize,
+        a: &mut BodyLanes<L>,
+        b: &mut BodyLanes<L>,
+    ) {
+        let old: L = load(token, impulse, k);
+        let rate = self.normal.dot(b.w - a.w);
+        let new = (old - self.mass * rate).max(-self.limit).min(self.limit);
+        store(new, impulse, k);
+        let j = self.normal.scale(new - old);
+        a.turn(-j);
+        b.turn(j);
+    }
+}
+
+/// Torque against rolling, across the normal.
+#[inline(always)]
+fn roll<L: Lanes>(
+    token: L::Token,
+    cold: &mut Cold,
+    k: usize,
+    a: &mut BodyLanes<L>,
+    b: &mut BodyLanes<L>,
+    normal: Lanes3<L>,
+    pressed: L,
+) {
+    let mass = Symmetric([0, 1, 2, 3, 4, 5].map(|i| load(token, &cold.rolling_mass[i], k)));
+    let limit = load::<L>(token, &cold.rolling_limit, k) * pressed;
+    let old: Lanes3<L> = load3(token, &cold.rolling_impulse, k);
+    let new = old - mass.times(b.w - a.w);
+    let new = new - normal.scale(normal.dot(new));
+    let new = new.scale(shorten(token, limit, new.dot(new)));
+    for (column, x) in cold.rolling_impulse.iter_mut().zip([new.x, new.y, new.z]) {
+        store(x, column, k);
+    }
+    let j = new - old;
+    a.turn(-j);
+    b.turn(j);
+}

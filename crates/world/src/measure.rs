@@ -1,0 +1,126 @@
+//! Stage 15, **report**: figures of the step, and the hash.
+//!
+//! Reads everything, writes a [`StepReport`]. Sums are taken over runs of fixed length, in order, so that they don't
+//! depend on the number of threads.
+
+use crate::bodies::{Bodies, State};
+use crate::{Kind, Settings, StepReport};
+use rayon::prelude::*;
+use rockfall_math::hash::{combine, mix};
+use rockfall_math::{DVec3, Mat3, rotation};
+use rockfall_solve::Chunk;
+
+/// Rows in a partial sum.
+const RUN: usize = 1024;
+
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    bodies: usize,
+    awake: usize,
+    kinetic: f64,
+    potential: f64,
+    momentum: DVec3,
+    angular: DVec3,
+}
+
+#[derive(Clone, Copy, Default)]
+struct ContactSums {
+    manifolds: usize,
+    touching: usize,
+    contacts: usize,
+    overlapping: usize,
+    overlap: f64,
+    deepest: f32,
+}
+
+/// Fills in everything but times and counts that the caller knows.
+pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, chunks: &[Chunk], settings: &Settings) {
+    let gravity = settings.gravity.as_dvec3();
+    let partial: Vec<Sums> = (0..bodies.rows().div_ceil(RUN))
+        .into_par_iter()
+        .map(|run| {
+            let rows = (run * RUN).max(1)..((run + 1) * RUN).min(bodies.rows());
+            rows.fold(Sums::default(), |sums, row| add(sums, bodies, row, gravity))
+        })
+        .collect();
+    let all = partial.iter().fold(Sums::default(), |a, b| Sums {
+        bodies: a.bodies + b.bodies,
+        awake: a.awake + b.awake,
+        kinetic: a.kinetic + b.kinetic,
+        potential: a.potential + b.potential,
+        momentum: a.momentum + b.momentum,
+        angular: a.angular + b.angular,
+    });
+    let partial: Vec<ContactSums> = chunks.par_iter().map(contacts).collect();
+    let touch = partial.iter().fold(ContactSums::default(), |a, b| ContactSums {
+        manifolds: a.manifolds + b.manifolds,
+        touching: a.touching + b.touching,
+        contacts: a.contacts + b.contacts,
+        overlapping: a.overlapping + b.overlapping,
+        overlap: a.overlap + b.overlap,
+        deepest: a.deepest.max(b.deepest),
+    });
+    report.bodies = all.bodies;
+    report.awake = all.awake;
+    report.kinetic_energy = all.kinetic;
+    report.potential_energy = all.potential;
+    report.momentum = all.momentum.to_array();
+    report.angular_momentum = all.angular.to_array();
+    report.manifolds = touch.manifolds;
+    report.touching = touch.touching;
+    report.contacts = touch.contacts;
+    report.deepest_penetration = touch.deepest;
+    report.mean_penetration = (touch.overlap / touch.overlapping.max(1) as f64) as f32;
+}
+
+fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
+    if bodies.states[row] == State::Dead {
+        return sums;
+    }
+    sums.bodies += 1;
+    if bodies.kinds[row] != Kind::Dynamic {
+        return sums;
+    }
+    sums.awake += usize::from(bodies.states[row] == State::Awake);
+    let line = &bodies.lines[row];
+    let mass = 1.0 / f64::from(line.inverse_mass());
+    let v = line.velocity().as_dvec3();
+    let axes = Mat3::from_quat(rotation::compose(bodies.rotations[row], bodies.frames[row])).as_dmat3();
+    let principal = axes.transpose() * line.angular_velocity().as_dvec3();
+    let moments = bodies.inverse_moments[row].as_dvec3().map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
+    let spin = principal * moments;
+    sums.kinetic += 0.5 * (mass * v.length_squared() + principal.dot(spin));
+    sums.potential -= mass * f64::from(line.gravity_scale()) * gravity.dot(bodies.positions[row]);
+    sums.momentum += v * mass;
+    sums.angular += bodies.positions[row].cross(v * mass) + axes * spin;
+    sums
+}
+
+fn contacts(chunk: &Chunk) -> ContactSums {
+    let mut sums = ContactSums { manifolds: chunk.manifolds.len(), ..ContactSums::default() };
+    for m in &chunk.manifolds {
+        sums.contacts += m.count as usize;
+        sums.touching += usize::from(m.deepest() <= 0.0);
+        for &distance in m.distances[..m.count as usize].iter().filter(|&&d| d < 0.0) {
+            sums.overlapping += 1;
+            sums.overlap -= f64::from(distance);
+            sums.deepest = sums.deepest.max(-distance);
+        }
+    }
+    sums
+}
+
+/// Equal for equal states: the sum over all bodies of a hash of id, pose and velocities.
+pub(crate) fn hash(bodies: &Bodies) -> u64 {
+    let one = |row: usize| {
+        if bodies.states[row] == State::Dead {
+            return 0;
+        }
+        let q = bodies.rotations[row];
+        let floats = [q.x, q.y, q.z, q.w].into_iter().chain(bodies.lines[row].motion[..6].iter().copied());
+        let position = bodies.positions[row].to_array();
+        let seed = combine(mix(bodies.ids[row]), position.iter().fold(0, |h, x| combine(h, x.to_bits())));
+        floats.fold(seed, |h, x| combine(h, u64::from(x.to_bits())))
+    };
+    (1..bodies.rows()).into_par_iter().with_min_len(1024).map(one).reduce(|| 0, u64::wrapping_add)
+}

@@ -1,0 +1,40 @@
+//! Stage 12, **settle**: the drift becomes part of the pose.
+//!
+//! Reads drift and velocities; writes positions, time at rest, and who is frozen. A state that is not finite is caught here,
+//! before anything can read it.
+
+use crate::Settings;
+use crate::bodies::{Bodies, State};
+use rayon::prelude::*;
+use rockfall_math::Vec3;
+use rockfall_solve::line::Role;
+
+/// No body moves faster than this, m/s or rad/s: beyond it a state counts as broken, long before it overflows.
+const LIMIT: f32 = 1e7;
+
+/// Moves the bodies. Returns how many were frozen.
+pub(crate) fn settle(bodies: &mut Bodies, settings: &Settings) -> usize {
+    let dt = 1.0 / settings.rate;
+    let Bodies { roles, drifts, lines, positions, rotations, rests, states, radii, .. } = bodies;
+    (positions, lines, rests, states, drifts, rotations, roles, radii)
+        .into_par_iter()
+        .with_min_len(512)
+        .map(|(position, line, rest, state, drift, rotation, role, radius)| {
+            if *role == Role::Still {
+                return 0;
+            }
+            let (v, w) = (line.velocity(), line.angular_velocity());
+            let sound = |x: Vec3| x.is_finite() && x.abs().max_element() < LIMIT;
+            if !sound(v) || !sound(w) || !drift.translation().is_finite() || !rotation.is_finite() {
+                *state = State::Frozen;
+                line.set_velocities(Vec3::ZERO, Vec3::ZERO);
+                drift.0 = [0.0; 8];
+                return 1;
+            }
+            *position += drift.translation().as_dvec3();
+            let speed = v.length() + w.length() * *radius;
+            *rest = if *role == Role::Free && speed < settings.sleep_speed { *rest + dt } else { 0.0 };
+            0
+        })
+        .sum()
+}

@@ -1,0 +1,164 @@
+//! Stage 5, **touch**: collision detection: position, normal and signed distance of every contact.
+//!
+//! Reads pairs, poses and the last step's touches; writes manifolds, each point with the impulse of the point of the same
+//! name in the last step. Pairs of which neither body moves are carried over. A run of [`RUN`] pairs is one chunk, so
+//! that threads share nothing and the order of the manifolds is that of the keys.
+
+use crate::Shape;
+use crate::bodies::Bodies;
+use crate::pair::{NEW, Pairs, rows};
+use rayon::prelude::*;
+use rockfall_collide::{Cache, Manifold as Local, collide};
+use rockfall_math::Mat3;
+use rockfall_solve::line::Role;
+use rockfall_solve::{Chunk, FIXED, Manifold, Memory, NO_COLOR, row_of};
+
+/// Pairs in a chunk.
+pub(crate) const RUN: usize = 256;
+
+/// The manifolds of all pairs of a step.
+#[derive(Debug, Default)]
+pub(crate) struct Touches {
+    /// One for every [`RUN`] pairs.
+    pub(crate) chunks: Vec<Chunk>,
+    /// First manifold of each pair in its chunk; one more than there are pairs in each chunk.
+    firsts: Vec<Vec<u32>>,
+    /// What the pair functions remember of each pair.
+    caches: Vec<Vec<Cache>>,
+}
+
+impl Touches {
+    /// Bytes held.
+    pub(crate) fn memory(&self) -> usize {
+        let chunk = |c: &Chunk| {
+            c.manifolds.capacity() * size_of::<Manifold>() + c.memories.capacity() * size_of::<Memory>()
+        };
+        self.chunks.iter().map(chunk).sum::<usize>()
+            + self.firsts.iter().map(|f| f.capacity() * size_of::<u32>()).sum::<usize>()
+            + self.caches.iter().map(|c| c.capacity() * size_of::<Cache>()).sum::<usize>()
+    }
+
+    /// Manifolds, memories and cache of pair `number`; nothing for a pair that is new.
+    fn of(&self, number: u32) -> (&[Manifold], &[Memory], Cache) {
+        if number == NEW {
+            return (&[], &[], Cache::default());
+        }
+        let (chunk, pair) = (number as usize / RUN, number as usize % RUN);
+        let range = self.firsts[chunk][pair] as usize..self.firsts[chunk][pair + 1] as usize;
+        let content = &self.chunks[chunk];
+        (&content.manifolds[range.clone()], &content.memories[range], self.caches[chunk][pair])
+    }
+}
+
+/// Finds all contacts. `before` holds the last step's touches; `now` is overwritten. Returns the rows of bodies whose
+/// contact was not finite.
+pub(crate) fn touch(
+    pairs: &mut Pairs,
+    bodies: &Bodies,
+    shapes: &[Shape],
+    before: &Touches,
+    now: &mut Touches,
+) -> Vec<usize> {
+    let chunks = pairs.keys.len().div_ceil(RUN);
+    now.chunks.resize_with(chunks, Chunk::default);
+    now.firsts.resize_with(chunks, Vec::new);
+    now.caches.resize_with(chunks, Vec::new);
+    let broken: Vec<usize> = (&mut now.chunks, &mut now.firsts, &mut now.caches)
+        .into_par_iter()
+        .zip(pairs.keys.par_chunks(RUN).zip(pairs.befores.par_chunks(RUN)))
+        .flat_map_iter(|((chunk, firsts, caches), (keys, befores))| {
+            let mut scratch = Vec::new();
+            let mut broken = Vec::new();
+            chunk.manifolds.clear();
+            chunk.memories.clear();
+            firsts.clear();
+            caches.clear();
+            for (&key, &number) in keys.iter().zip(befores) {
+                firsts.push(chunk.manifolds.len() as u32);
+                let (a, b) = rows(key);
+                let (manifolds, memories, mut cache) = before.of(number);
+                if rests(bodies, a as usize) && rests(bodies, row_of(b)) && number != NEW {
+                    carry(chunk, a, b, manifolds, memories);
+                } else {
+                    scratch.clear();
+                    meet(bodies, shapes, a as usize, row_of(b), &mut cache, &mut scratch);
+                    for local in &scratch {
+                        if is_finite(local) {
+                            enter(chunk, bodies, a, b, local, memories);
+                        } else {
+                            broken.push(a as usize);
+                        }
+                    }
+                }
+                caches.push(cache);
+            }
+            firsts.push(chunk.manifolds.len() as u32);
+            broken
+        })
+        .collect();
+    pairs.befores.clear();
+    pairs.befores.extend(0..pairs.keys.len() as u32);
+    broken
+}
+
+/// Whether nothing moves the body of a row in this step.
+fn rests(bodies: &Bodies, row: usize) -> bool {
+    match bodies.roles[row] {
+        Role::Still => true,
+        Role::Free => false,
+        Role::Driven => bodies.lines[row].motion[..6].iter().all(|&x| x == 0.0),
+    }
+}
+
+/// Takes the manifolds of a pair over as they were; rows may have new numbers.
+fn carry(chunk: &mut Chunk, a: u32, b: u32, manifolds: &[Manifold], memories: &[Memory]) {
+    chunk.manifolds.extend(manifolds.iter().map(|&m| Manifold { a, b, ..m }));
+    chunk.memories.extend_from_slice(memories);
+}
+
+/// Runs the pair function.
+fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, cache: &mut Cache, out: &mut Vec<Local>) {
+    let (Some(shape_a), Some(shape_b)) =
+        (shapes.get(bodies.shapes[a] as usize), shapes.get(bodies.shapes[b] as usize))
+    else {
+        return;
+    };
+    let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
+    collide(shape_a, shape_b, &b_in_a, bodies.reaches[a] + bodies.reaches[b], cache, out);
+}
+
+fn is_finite(local: &Local) -> bool {
+    local.normal.is_finite()
+        && local.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite())
+}
+
+/// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes.
+fn enter(chunk: &mut Chunk, bodies: &Bodies, a: u32, b: u32, local: &Local, memories: &[Memory]) {
+    let turn = Mat3::from_quat(bodies.rotations[a as usize]);
+    let mut manifold =
+        Manifold { a, b, count: local.count, normal: turn * local.normal, ..Manifold::default() };
+    let mut memory = Memory { color: NO_COLOR, ..Memory::default() };
+    let mut source = None;
+    for (p, point) in local.points().iter().enumerate() {
+        manifold.arms[p] = turn * (point.position - bodies.centers[a as usize]);
+        manifold.distances[p] = point.distance;
+        memory.features[p] = point.feature;
+        for (i, old) in memories.iter().enumerate() {
+            if let Some(q) = old.features.iter().position(|&f| f == point.feature) {
+                memory.normals[p] = old.normals[q];
+                source = source.or(Some(i));
+                break;
+            }
+        }
+    }
+    // A convex pair has one manifold, whose friction goes on even where all of its points have new names.
+    if source.is_none() && memories.len() == 1 && b & FIXED == 0 {
+        source = Some(0);
+    }
+    if let Some(old) = source.map(|i| &memories[i]) {
+        (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
+        memory.color = old.color;
+    }
+    chunk.manifolds.push(manifold);
+    chunk.memories.push(memory);
+}

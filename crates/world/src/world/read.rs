@@ -1,0 +1,151 @@
+//! What can be read of a world, in bulk and one by one.
+
+use super::{Contact, ShapeId, World};
+use crate::bodies::State;
+use crate::measure;
+use crate::{BodyId, Error, Kind, StepReport};
+use rockfall_math::{DVec3, Pose, Quat, Vec3};
+use rockfall_solve::row_of;
+
+impl World {
+    /// What the last step had to say.
+    pub fn report(&self) -> &StepReport {
+        &self.report
+    }
+
+    /// Rows of all bodies, sorted by id.
+    fn sorted(&self) -> &[u32] {
+        self.sorted.get_or_init(|| {
+            let mut rows: Vec<u32> = self.rows.values().copied().collect();
+            rows.sort_unstable_by_key(|&row| self.bodies.ids[row as usize]);
+            rows
+        })
+    }
+
+    fn by_id<T>(&self, read: impl Fn(usize) -> T) -> Vec<T> {
+        self.sorted().iter().map(|&row| read(row as usize)).collect()
+    }
+
+    /// Ids of all bodies, ascending; the order of [`World::poses`] and the other readers in that order.
+    pub fn ids(&self) -> Vec<BodyId> {
+        self.by_id(|row| BodyId(self.bodies.ids[row]))
+    }
+
+    /// Poses of the bodies' shape frames, in the order of [`World::ids`].
+    pub fn poses(&self) -> Vec<Pose> {
+        self.by_id(|row| self.bodies.shape_pose(row))
+    }
+
+    /// Shape of each body, in the order of [`World::ids`].
+    pub fn shapes_of_bodies(&self) -> Vec<ShapeId> {
+        self.by_id(|row| ShapeId(self.bodies.shapes[row]))
+    }
+
+    /// Kind of each body, in the order of [`World::ids`].
+    pub fn kinds(&self) -> Vec<Kind> {
+        self.by_id(|row| self.bodies.kinds[row])
+    }
+
+    /// Whether each body is asleep, in the order of [`World::ids`].
+    pub fn sleeping(&self) -> Vec<bool> {
+        self.by_id(|row| self.bodies.states[row] == State::Asleep)
+    }
+
+    /// Linear (m/s) and angular (rad/s) velocity of each body, in the order of [`World::ids`].
+    pub fn velocities(&self) -> Vec<(Vec3, Vec3)> {
+        self.by_id(|row| (self.bodies.lines[row].velocity(), self.bodies.lines[row].angular_velocity()))
+    }
+
+    /// Ids in the order of the rows in memory: the order of [`World::centers_of_mass`] and [`World::rotations`], which
+    /// cost nothing. Rows keep their order until the next step. Row 0 is the world itself and has the id 2⁶⁴ − 1.
+    pub fn row_ids(&self) -> &[u64] {
+        &self.bodies.ids
+    }
+
+    /// Centres of mass (metres) row by row; see [`World::row_ids`].
+    pub fn centers_of_mass(&self) -> &[DVec3] {
+        &self.bodies.positions
+    }
+
+    /// Rotations row by row; see [`World::row_ids`].
+    pub fn rotations(&self) -> &[Quat] {
+        &self.bodies.rotations
+    }
+
+    /// Pose of a body's shape frame.
+    ///
+    /// # Errors
+    /// [`Error::NoBody`].
+    pub fn pose(&self, id: BodyId) -> Result<Pose, Error> {
+        Ok(self.bodies.shape_pose(self.row(id)?))
+    }
+
+    /// Linear velocity of a body's centre of mass (m/s) and angular velocity (rad/s).
+    ///
+    /// # Errors
+    /// [`Error::NoBody`].
+    pub fn velocity(&self, id: BodyId) -> Result<(Vec3, Vec3), Error> {
+        let line = &self.bodies.lines[self.row(id)?];
+        Ok((line.velocity(), line.angular_velocity()))
+    }
+
+    /// Mass of a dynamic body, kg; infinite for others.
+    ///
+    /// # Errors
+    /// [`Error::NoBody`].
+    pub fn mass(&self, id: BodyId) -> Result<f32, Error> {
+        Ok(1.0 / self.bodies.lines[self.row(id)?].inverse_mass())
+    }
+
+    /// A body's name.
+    pub fn name(&self, id: BodyId) -> Option<&str> {
+        self.names.get(&id.0).map(String::as_str)
+    }
+
+    /// Bodies whose state was not finite; they stay where they were. In ascending order.
+    pub fn frozen(&self) -> Vec<BodyId> {
+        let frozen = |row: &&u32| self.bodies.states[**row as usize] == State::Frozen;
+        self.sorted().iter().filter(frozen).map(|&row| BodyId(self.bodies.ids[row as usize])).collect()
+    }
+
+    /// The contacts of the last step, those within the speculative margin included, in the order of the rows of their
+    /// bodies. Not to be called between [`World::spawn`] or [`World::remove`] and the next step, when it is empty.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        let id = |marked: u32| BodyId(self.bodies.ids[row_of(marked)]);
+        let whole = |row: u32| self.bodies.states[row_of(row)] != State::Dead;
+        let manifolds = self.touches.chunks.iter().flat_map(|c| c.manifolds.iter().zip(&c.memories));
+        manifolds.filter(move |(m, _)| whole(m.a) && whole(m.b)).flat_map(move |(m, memory)| {
+            // Bodies have moved since the contact was found; the arms are those of the start of the step.
+            let row = row_of(m.a);
+            let start = self.bodies.positions[row] - self.bodies.drifts[row].translation().as_dvec3();
+            (0..m.count as usize).map(move |p| Contact {
+                a: id(m.a),
+                b: id(m.b),
+                position: start + m.arms[p].as_dvec3(),
+                normal: m.normal,
+                distance: m.distances[p],
+                impulse: memory.normals[p],
+            })
+        })
+    }
+
+    /// A hash of the id, pose and velocity of every body: equal for equal states, whatever the number of threads
+    /// or lanes and the order in which bodies were added.
+    pub fn hash(&self) -> u64 {
+        self.pool.install(|| measure::hash(&self.bodies))
+    }
+
+    /// Bytes that the world holds, without shapes.
+    pub fn memory(&self) -> usize {
+        self.bodies.memory()
+            + self.index.memory()
+            + self.pairs.memory()
+            + self.touches.memory()
+            + self.spare.memory()
+            + self.painter.memory()
+            + self.islands.memory()
+            + self.batches.memory()
+            + self.moved.capacity()
+            + self.rows.capacity() * (size_of::<(u64, u32)>() + 1)
+    }
+}

@@ -1,0 +1,170 @@
+//! `step()`: the table of contents of the engine.
+
+use super::World;
+use crate::apply::apply;
+use crate::bodies::State;
+use crate::bound::bound;
+use crate::index::index;
+use crate::link::link;
+use crate::measure::measure;
+use crate::pair::pair;
+use crate::settle::settle;
+use crate::sleep::sleep;
+use crate::sweep::sweep;
+use crate::touch::touch;
+use crate::{Material, STAGES, Settings, Solver, StepReport};
+use rockfall_math::Vec3;
+use rockfall_solve::Surface;
+use rockfall_solve::batch::Bodies as SolverBodies;
+use rockfall_solve::line::Role;
+use rockfall_solve::paint::paint;
+use rockfall_solve::respond::{Plan, impulse_step, reflect_step, soft_step};
+use rockfall_solve::store::store;
+use std::time::{Duration, Instant};
+
+impl World {
+    /// Advances the world by one step of `1 / rate` seconds.
+    pub fn step(&mut self) -> &StepReport {
+        let pool = std::sync::Arc::clone(&self.pool);
+        pool.install(|| self.stages());
+        &self.report
+    }
+
+    fn stages(&mut self) {
+        let World { settings, width, shapes, materials, bodies, index: trees, pairs, touches, spare, .. } =
+            self;
+        let World { painter, islands, batches, moved, report, .. } = self;
+        let mut clock = Clock::new();
+
+        let renamed = apply(bodies, pairs, self.fresh, report.step);
+        if renamed {
+            self.rows.clear();
+            self.rows.extend(bodies.ids.iter().copied().zip(0..).skip(1));
+            self.sorted.take();
+        }
+        let all = renamed || std::mem::take(&mut self.stirred);
+        self.fresh = 0;
+        clock.lap();
+
+        bound(bodies, shapes, settings, all, moved);
+        clock.lap();
+        index(trees, bodies, moved, all);
+        clock.lap();
+        pair(pairs, bodies, trees, moved);
+        clock.lap();
+        let broken = touch(pairs, bodies, shapes, touches, spare);
+        std::mem::swap(touches, spare);
+        report.frozen += freeze(bodies, &broken);
+        clock.lap();
+        paint(&mut touches.chunks, bodies.rows(), painter);
+        clock.lap();
+        if settings.sleeping {
+            link(islands, bodies, &touches.chunks);
+        }
+        clock.lap();
+
+        let roles = &bodies.roles;
+        let active = |row: usize| roles[row] == Role::Free;
+        let material = |row: usize| &materials[bodies.materials[row] as usize];
+        let surface = |a: usize, b: usize| surface(material(a), material(b));
+        let seen = SolverBodies { lines: &bodies.lines, positions: &bodies.positions };
+        batches.prepare(&touches.chunks, seen, *width, active, surface);
+        clock.lap();
+        let plan = plan(settings);
+        let mut columns = bodies.solver_columns();
+        let [solve_time, bounce_time] = match settings.solver {
+            Solver::SoftStep => soft_step(batches, &mut columns, *width, &plan),
+            Solver::Impulse => impulse_step(batches, &mut columns, &plan),
+            Solver::Reflect => reflect_step(batches, &mut columns, &plan),
+        };
+        clock.add(solve_time);
+        clock.add(bounce_time);
+        store(batches, &mut touches.chunks);
+        clock.lap();
+        report.frozen += settle(bodies, settings);
+        clock.lap();
+        if settings.continuous {
+            sweep(bodies, shapes, trees);
+        }
+        clock.lap();
+        if settings.sleeping {
+            sleep(bodies, islands, settings);
+        }
+        clock.lap();
+
+        report.step += 1;
+        report.time = report.step as f64 / f64::from(settings.rate);
+        report.pairs = pairs.keys.len();
+        report.colors = batches.colors();
+        measure(report, bodies, &touches.chunks, settings);
+        clock.lap();
+        report.times = clock.times();
+    }
+}
+
+/// Freezes bodies whose contacts were not finite.
+fn freeze(bodies: &mut crate::bodies::Bodies, rows: &[usize]) -> usize {
+    let mut frozen = 0;
+    for &row in rows {
+        if bodies.states[row] != State::Frozen {
+            bodies.states[row] = State::Frozen;
+            bodies.roles[row] = Role::Still;
+            bodies.lines[row].set_velocities(Vec3::ZERO, Vec3::ZERO);
+            frozen += 1;
+        }
+    }
+    frozen
+}
+
+/// How two materials rub and bounce.
+fn surface(a: &Material, b: &Material) -> Surface {
+    Surface {
+        friction: a.friction_mix.mix(b.friction_mix, a.friction, b.friction),
+        restitution: a.restitution_mix.mix(b.restitution_mix, a.restitution, b.restitution),
+        rolling: a.rolling_friction.max(b.rolling_friction),
+        twisting: a.twisting_friction.max(b.twisting_friction),
+    }
+}
+
+fn plan(settings: &Settings) -> Plan {
+    Plan {
+        dt: 1.0 / settings.rate,
+        substeps: settings.substeps,
+        gravity: settings.gravity,
+        hertz: settings.contact_hertz,
+        damping: settings.contact_damping,
+        push_speed: settings.push_speed,
+        restitution_threshold: settings.restitution_threshold,
+    }
+}
+
+/// Times the stages one after the other.
+struct Clock {
+    times: [Duration; STAGES.len()],
+    next: usize,
+    last: Instant,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Clock { times: Default::default(), next: 0, last: Instant::now() }
+    }
+
+    /// The stage that ran since the last lap is over.
+    fn lap(&mut self) {
+        let now = Instant::now();
+        self.add(now - self.last);
+        self.last = now;
+    }
+
+    /// A stage took `time`.
+    fn add(&mut self, time: Duration) {
+        self.times[self.next] = time;
+        self.next += 1;
+        self.last = Instant::now();
+    }
+
+    fn times(&self) -> [Duration; STAGES.len()] {
+        self.times
+    }
+}
