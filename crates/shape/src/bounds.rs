@@ -80,7 +80,7 @@ fn placed_hull(hull: &Hull, pose: &Pose) -> Aabb {
 
 fn half_space(normal: Vec3, offset: f64) -> Aabb {
     let mut whole = symmetric(Vec3::splat(UNBOUNDED));
-    let surface = Aabb::around(DVec3::splat(offset), DVec3::splat(offset)).grown(0.0);
+    let surface = Aabb::around(DVec3::splat(offset), DVec3::splat(offset));
     for axis in 0..3 {
         let mut e = Vec3::ZERO;
         e[axis] = 1.0;

@@ -253,3 +253,19 @@ fn too_many_corners_are_refused_and_can_be_simplified() {
     assert_eq!(hull.vertices.len(), 100);
     assert!(moments(hull.triangles()).volume > 0.9 * 4.0 / 3.0 * std::f64::consts::PI);
 }
+
+#[test]
+fn a_hull_and_its_mass_have_the_same_bits_everywhere() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let points: Vec<Vec3> = (0..200).map(|_| point(&mut rng)).collect();
+    let hull = cook(&points);
+    let floats = hull.vertices.iter().chain(&hull.normals).flat_map(|v| v.to_array());
+    let floats = floats.chain(hull.offsets.iter().copied()).map(|x| u64::from(x.to_bits()));
+    let words: Vec<u64> = floats.chain(hull.loops.iter().map(|&c| u64::from(c))).collect();
+    let mass = crate::Shape::Hull(std::sync::Arc::new(hull)).mass_properties(2600.0).unwrap();
+    let (moments, frame) = mass.principal();
+    let mass = [[mass.mass, moments.x, moments.y, moments.z], frame.to_array()];
+    let mass = mass.as_flattened().iter().map(|x| u64::from(x.to_bits()));
+    let hash = words.into_iter().chain(mass).fold(0, rockfall_math::hash::combine);
+    assert_eq!(hash, 12_024_146_774_924_908_373);
+}
