@@ -1,9 +1,11 @@
 //! Triangles from mesh files: OBJ, STL, PLY, glTF and GLB.
 //!
-//! A file is taken into memory whole and never believed: what its header claims is held against its size before
-//! anything is reserved, and what a reader hands over is checked again. Shading, colours and materials are passed over.
+//! A file is taken into memory whole and never believed: what its header claims is held against its size
+//! before anything is reserved, and what a reader hands over is checked again. Shading, colours and materials
+//! are passed over.
 //!
-//! Coordinates stay as they are in the file, but for glTF, whose standard says that y is up: it is turned so that z is.
+//! Coordinates stay as they are in the file, but for glTF, whose standard says that y is up: it is turned so
+//! that z is.
 
 mod gltf;
 mod obj;
@@ -19,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// The largest file that is read, bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// The most triangles, and the most vertices, that a file may unfold to: a small glTF file can place one mesh a
-/// million times.
+/// The most triangles, and the most vertices, that a file may unfold to: a small glTF file can place one mesh
+/// a million times.
 const MOST_TRIANGLES: usize = 1 << 26;
 
 /// Triangles as a file gives them.
@@ -28,8 +30,8 @@ const MOST_TRIANGLES: usize = 1 << 26;
 pub struct TriangleSoup {
     /// Corners, in the file's unit of length.
     pub vertices: Vec<Vec3>,
-    /// Indices of corners, counter-clockwise from outside. Polygons with more corners are cut into fans around their
-    /// first corner.
+    /// Indices of corners, counter-clockwise from outside. Polygons with more corners are cut into fans
+    /// around their first corner.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -95,17 +97,18 @@ pub enum MeshFileError {
     NoTriangles(PathBuf),
 }
 
-/// Triangles from the bytes of a file; the path is where other files may lie beside it. Errors are the reason.
+/// Triangles from the bytes of a file; the path is where other files may lie beside it. Errors are the
+/// reason.
 type Parse = fn(&[u8], &Path) -> Result<TriangleSoup, String>;
 
 /// Reads the triangles of a mesh file; the format goes by the extension, capital or not.
 ///
-/// All objects of the file are put together. glTF nodes are placed by their transforms, and the whole is turned so that z
-/// is up.
+/// All objects of the file are put together. glTF nodes are placed by their transforms, and the whole is
+/// turned so that z is up.
 ///
 /// # Errors
-/// A file that is missing, no file, empty, larger than 4 GiB, cut off or otherwise not of its format; coordinates that are
-/// not finite; corners that are not there; no triangles.
+/// A file that is missing, no file, empty, larger than 4 GiB, cut off or otherwise not of its format;
+/// coordinates that are not finite; corners that are not there; no triangles.
 pub fn read(path: &Path) -> Result<TriangleSoup, MeshFileError> {
     let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let (format, parse): (_, Parse) = match extension.as_deref() {

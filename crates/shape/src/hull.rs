@@ -1,8 +1,8 @@
 //! Convex polyhedra: the cooked form that the pair functions read.
 //!
-//! Cooking goes: points → triangles of their exact convex hull → polygon faces → the columns of [`Hull`] → a check
-//! of every promise. Faces merge by a tolerance; should the outcome break a promise, which no known points make it
-//! do, cooking starts again without, and all faces are triangles.
+//! Cooking goes: points → triangles of their exact convex hull → polygon faces → the columns of [`Hull`] → a
+//! check of every promise. Faces merge by a tolerance; should the outcome break a promise, which no known
+//! points make it do, cooking starts again without, and all faces are triangles.
 
 mod check;
 mod merge;
@@ -81,12 +81,13 @@ pub enum HullError {
     Broken(HullDefect),
 }
 
-/// The most corners that a hull may have. Contact between hulls costs time for each corner; a few dozen serve well.
+/// The most corners that a hull may have. Contact between hulls costs time for each corner; a few dozen serve
+/// well.
 pub const MAX_CORNERS: usize = 8192;
 
-/// Corners closer than this to a common plane make one face, and no corner sticks out of a face's plane by much
-/// more, metres: one millionth of the extent, which is some ten times the rounding of coordinates that have been
-/// rotated; but at least four units in the last place of the largest coordinate.
+/// Corners closer than this to a common plane make one face, and no corner sticks out of a face's plane by
+/// much more, metres: one millionth of the extent, which is some ten times the rounding of coordinates that
+/// have been rotated; but at least four units in the last place of the largest coordinate.
 fn tolerance(bounds: &Aabb) -> f64 {
     let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
     let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
@@ -99,9 +100,9 @@ fn slack(vertices: &[Vec3]) -> f64 {
 }
 
 impl Hull {
-    /// The convex hull of `points`, metres. Points inside, duplicates, and corners that stick out by less than
-    /// about a millionth of the extent leave no trace; corners keep the order that their points have. The same
-    /// points give the same hull, bit by bit, on every machine.
+    /// The convex hull of `points`, metres. Points inside, duplicates, and corners that stick out by less
+    /// than about a millionth of the extent leave no trace; corners keep the order that their points have.
+    /// The same points give the same hull, bit by bit, on every machine.
     ///
     /// # Errors
     /// Points that are not finite, are farther than [`LARGEST`] from the origin, or span no volume: less than
@@ -122,8 +123,8 @@ impl Hull {
         Self::cook(points, usize::MAX)
     }
 
-    /// The convex hull of `points` with at most `max_vertices` corners, at least 4: those that stick out farthest,
-    /// chosen greedily, so that the hull lies inside the full one and is near to it.
+    /// The convex hull of `points` with at most `max_vertices` corners, at least 4: those that stick out
+    /// farthest, chosen greedily, so that the hull lies inside the full one and is near to it.
     ///
     /// # Errors
     /// As for [`Hull::from_points`].
@@ -222,7 +223,8 @@ impl Hull {
                 a.cross(b)
             });
             let normal = fan.sum::<DVec3>().normalize_or_zero().as_vec3();
-            // No corner may be outside, so that the offset belongs to the rounded normal and the farthest corner.
+            // No corner may be outside, so that the offset belongs to the rounded normal and the farthest
+            // corner.
             let reach = |p: &DVec3| normal.as_dvec3().dot(*p);
             hull.normals.push(normal);
             hull.offsets.push(points.iter().map(reach).fold(f64::NEG_INFINITY, f64::max) as f32);

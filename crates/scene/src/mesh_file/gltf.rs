@@ -1,7 +1,8 @@
 //! glTF 2.0, as text with its buffers beside it or within it, and as one binary file.
 //!
-//! Every node of the scene that has a mesh adds its triangles, placed by the transforms on the way to it. Skins and morph
-//! targets stay at rest; extensions that hide the triangles, such as compression, are refused.
+//! Every node of the scene that has a mesh adds its triangles, placed by the transforms on the way to it.
+//! Skins and morph targets stay at rest; extensions that hide the triangles, such as compression, are
+//! refused.
 
 use super::{MOST_TRIANGLES, TriangleSoup, content};
 use base64::Engine;
@@ -87,7 +88,8 @@ fn walk<'a>(
     Ok(())
 }
 
-/// The top nodes of the scene that the file wants shown; without scenes those that are nobody's child. Last first.
+/// The top nodes of the scene that the file wants shown; without scenes those that are nobody's child. Last
+/// first.
 fn roots(document: &Document) -> Vec<Node<'_>> {
     let mut roots: Vec<Node<'_>> = match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => scene.nodes().collect(),

@@ -45,7 +45,8 @@ fn reason(error: ParseError) -> String {
     text[..end.unwrap_or(text.len())].to_owned()
 }
 
-/// Holds what the header claims against what is left of the file. A row of text takes at least its line break.
+/// Holds what the header claims against what is left of the file. A row of text takes at least its line
+/// break.
 fn check_count(element: &ElementDef, encoding: Encoding, left: usize) -> Result<(), String> {
     let least = match encoding {
         Encoding::Ascii => 1,

@@ -49,9 +49,9 @@ fn is_text(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
-/// One solid in small letters, with zeros for normals: programs write several solids into a file, leave out their names,
-/// and give "nan" as the normal of a triangle without area, none of which the library takes. Words are checked here
-/// because it names no line; their order is left to it.
+/// One solid in small letters, with zeros for normals: programs write several solids into a file, leave out
+/// their names, and give "nan" as the normal of a triangle without area, none of which the library takes.
+/// Words are checked here because it names no line; their order is left to it.
 fn tidy(bytes: &[u8]) -> Result<String, String> {
     let text = String::from_utf8_lossy(bytes).to_ascii_lowercase();
     let first_word = |line: &str| line.split_whitespace().next().map(str::to_owned);
