@@ -36,7 +36,8 @@ use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces. `b_in_a` places B in A's frame, and all of the result is in A's frame.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces.
+/// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite.

@@ -2,8 +2,8 @@
 //!
 //! Four points that span a large area hold a body as well as twenty. The choice starts from the outline, not from
 //! the deepest point: in a flat contact the depths differ by rounding only, and a choice by depth would name other
-//! points at every step. The deepest point then takes the place of its nearest neighbour where it is clearly deeper,
-//! so that the manifold never hides it.
+//! points at every step. The deepest point then takes the place of its nearest neighbour where it is not among
+//! them, so that the manifold never hides it.
 
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
@@ -23,9 +23,8 @@ pub(crate) fn reduce(normal: Vec3, points: &[ContactPoint]) -> Manifold {
     let at = |i: usize| points[i].position;
     let deepest = first_max(points, |p| -p.distance);
     let shown = chosen.iter().fold(f32::INFINITY, |d, &i| d.min(points[i].distance));
-    // Apart, the manifold shows the distance to rounding. Sunk in, depths that differ by a tilt of half a milliradian
-    // are equal: it is more important that the choice stays.
-    let tie = if shown < 0.0 { 5e-4 } else { 2e-7 } * (at(chosen[1]) - at(chosen[0])).length();
+    // Depths that differ by less than the rounding of the span are equal.
+    let tie = 2e-7 * (at(chosen[1]) - at(chosen[0])).length();
     if points[deepest].distance < shown - tie {
         let mut nearest = 0;
         for k in 1..4 {

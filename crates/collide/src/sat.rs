@@ -47,6 +47,8 @@ pub(crate) struct Choice {
     pub(crate) steady: Axis,
     /// That of least overlap.
     pub(crate) least: Axis,
+    /// The best pair of edges.
+    pub(crate) edges: Option<Axis>,
 }
 
 /// The axis of least overlap of two polyhedra, and the one to prefer.
@@ -63,7 +65,7 @@ pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Choice {
     let of_b = Axis { normal: -normal, separation, kind: Kind::FaceOfB(f) };
 
     let edges = best_edges(a, b, b_in_a, &placed, of_a.separation.max(of_b.separation));
-    let mut choice = Choice { steady: of_a, least: of_a };
+    let mut choice = Choice { steady: of_a, least: of_a, edges };
     let radius = a.inner_radius.min(b.inner_radius);
     for axis in std::iter::once(of_b).chain(edges) {
         let steady = choice.steady.separation;

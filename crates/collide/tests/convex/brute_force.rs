@@ -33,7 +33,7 @@ impl Random {
     /// Any rotation; one time in two, one that puts edges along axes, turned by 1e-8 to 1e-1 radians or not at all.
     pub(crate) fn rotation(&mut self) -> Mat3 {
         let q = if self.word() & 1 == 0 {
-            rotation::from_rotation_vector(self.direction() * self.between(0.0, 3.14))
+            rotation::from_rotation_vector(self.direction() * self.between(0.0, std::f32::consts::PI))
         } else {
             let quarter = |axis: Vec3, turns: u64| {
                 rotation::from_rotation_vector(axis * (turns % 4) as f32 * std::f32::consts::FRAC_PI_2)
@@ -67,7 +67,7 @@ impl Random {
                 half: Vec3::new(self.between(0.1, 1.0), self.between(0.1, 1.0), self.between(0.1, 1.0)),
             },
             2 => Shape::Capsule { half_length: self.between(0.1, 1.0), radius: self.between(0.1, 0.5) },
-            3 if self.word() % 4 == 0 => {
+            3 if self.word().is_multiple_of(4) => {
                 let half = Vec3::new(self.between(0.2, 1.0), self.between(0.2, 1.0), self.between(0.2, 1.0));
                 Shape::Hull(Arc::new(Hull::cuboid(half)))
             }

@@ -17,7 +17,7 @@ const NAMES: [&str; 7] = ["sphere", "box", "capsule", "hull", "half-space", "pla
 /// Poses for each unordered pair of classes; every pose is asked in both orders.
 const POSES: usize = 100_000;
 
-/// Distances of shapes that are apart agree to this share of their size.
+/// Distances agree to this share of the size of the pair: half extents of both and half of the way between them.
 const EXACT: f32 = 1e-6;
 
 fn poses(first: usize, second: usize, count: usize) -> impl Iterator<Item = (Shape, Shape, Isometry)> {
@@ -36,7 +36,8 @@ fn poses(first: usize, second: usize, count: usize) -> impl Iterator<Item = (Sha
 fn pose(random: &mut Random, a: &Shape, b: &Shape) -> Isometry {
     let rotation = random.rotation();
     let mut at = Isometry { rotation, translation: Vec3::ZERO };
-    let share = if random.word() % 4 == 0 { random.between(-0.01, 0.01) } else { random.between(-0.2, 0.5) };
+    let share =
+        if random.word().is_multiple_of(4) { random.between(-0.01, 0.01) } else { random.between(-0.2, 0.5) };
     let along = match random.word() % 3 {
         0 => [Vec3::X, Vec3::NEG_Y, Vec3::Z][(random.word() % 3) as usize],
         _ => random.direction(),
@@ -175,7 +176,7 @@ fn second_opinion(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<f32> {
 fn class_against_class(first: usize, second: usize, count: usize) {
     let (mut asked, mut apart_of_opinion, mut ties) = (0, 0, 0);
     for (k, (a, b, b_in_a)) in poses(first, second, count).enumerate() {
-        let scale = size(&a) + size(&b) + 0.1 * b_in_a.translation.length();
+        let scale = size(&a) + size(&b) + 0.5 * b_in_a.translation.length();
         let judge = Judge::new(&a, &b, &b_in_a);
         let truth = judge.distance();
         check(&a, &b, &b_in_a, &judge, truth, scale);
