@@ -1,1 +1,31 @@
-//! Runs of Rockfall on disk: trajectories, frames, summaries.
+//! Runs of Rockfall on disk.
+//!
+//! A run is a folder with four parts; `docs/run.md` describes them for people who read them with other programs.
+//!
+//! | part | what |
+//! |---|---|
+//! | `scene.toml` | the scene as it was run, every default filled in |
+//! | `summary.json` | [`Summary`]: what was run, how it ended, figures of the whole run |
+//! | `frames.csv` | one row per step: [`csv`] |
+//! | `trajectory.zarr` | the pose of every body at every frame: [`trajectory`] |
+//!
+//! [`RunWriter`] writes one from a thread of its own while the simulation goes on, [`RunReader`] reads one. Whenever
+//! a run ends, by itself, by a key or by a power cut, what it had written so far can be read.
+#![forbid(unsafe_code)]
+
+pub mod csv;
+mod error;
+mod folder;
+mod frame;
+mod reader;
+mod store;
+mod summary;
+pub mod trajectory;
+mod writer;
+
+pub use error::Error;
+pub use folder::{FRAMES, RunFolder, SCENE, SUMMARY, TRAJECTORY};
+pub use frame::{BodyTable, Frame, Poses};
+pub use reader::{Part, RunReader};
+pub use summary::{FORMAT, Final, Status, Summary, VERSION, Whole};
+pub use writer::{RunWriter, Written};

@@ -1,2 +1,32 @@
-//! The rockfall program.
-fn main() {}
+//! The rockfall program: runs a scene file to a folder of results, and says what is in either.
+//!
+//! One file per verb: [`run`] and [`info`]; what they share lies beside them.
+#![forbid(unsafe_code)]
+
+mod args;
+mod exit;
+mod info;
+mod open;
+mod output;
+mod plan;
+mod progress;
+mod run;
+mod say;
+mod stop;
+mod summary;
+mod units;
+
+use args::{Cli, Verb};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().verb {
+        Verb::Run(args) => run::run(&args),
+        Verb::Info(args) => info::info(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,124 @@
+//! What a run says of one moment.
+
+use crate::Error;
+use rockfall::{BodyId, StepReport};
+use rockfall_math::{DVec3, Pose};
+
+/// What stays the same of each body during a run. A body's row here is its row in every frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyTable {
+    /// Ascending, without repetition.
+    pub ids: Vec<u64>,
+    /// Empty where a body has none.
+    pub names: Vec<String>,
+    /// Index of the shape; bodies of another scale have another one.
+    pub shapes: Vec<u32>,
+    /// Factor between the shape that the scene describes and the body's.
+    pub scales: Vec<f32>,
+}
+
+impl BodyTable {
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.ids.len()
+    }
+
+    /// Whether there is no body.
+    pub fn is_empty(&self) -> bool {
+        self.ids.is_empty()
+    }
+}
+
+/// The poses of all bodies of a table; NaN where a body is not in the world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Poses {
+    /// Metres from the run's origin: x, y, z of each body.
+    pub positions: Vec<f32>,
+    /// Unit quaternions, body to world: x, y, z, w of each body.
+    pub orientations: Vec<f32>,
+}
+
+impl Poses {
+    /// Takes the poses of a world, `ids` ascending as [`rockfall::World::ids`] gives them, into the rows of a table.
+    /// Positions lose all but single precision relative to `origin`.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBody`] where the table lacks one of the ids; `self` is of no use then.
+    pub fn gather(
+        &mut self,
+        table: &BodyTable,
+        origin: DVec3,
+        ids: &[BodyId],
+        poses: &[Pose],
+    ) -> Result<(), Error> {
+        self.positions.clear();
+        self.orientations.clear();
+        self.positions.resize(3 * table.len(), f32::NAN);
+        self.orientations.resize(4 * table.len(), f32::NAN);
+        let mut row = 0;
+        for (id, pose) in ids.iter().zip(poses) {
+            while table.ids.get(row).is_some_and(|&known| known < id.0) {
+                row += 1;
+            }
+            if table.ids.get(row) != Some(&id.0) {
+                return Err(Error::UnknownBody(id.0));
+            }
+            let position = (pose.position - origin).as_vec3();
+            self.positions[3 * row..3 * row + 3].copy_from_slice(&position.to_array());
+            self.orientations[4 * row..4 * row + 4].copy_from_slice(&pose.rotation.to_array());
+        }
+        Ok(())
+    }
+}
+
+/// One moment of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Frame {
+    /// Simulated seconds.
+    pub time: f64,
+    /// Where the bodies are.
+    pub poses: Poses,
+    /// What the step that led here had to say; `None` for the state at the start, which no step led to.
+    pub report: Option<StepReport>,
+    /// [`rockfall::World::hash`], where it was taken.
+    pub hash: Option<u64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockfall_math::Quat;
+
+    fn table(ids: &[u64]) -> BodyTable {
+        BodyTable {
+            ids: ids.to_vec(),
+            names: vec![String::new(); ids.len()],
+            shapes: vec![0; ids.len()],
+            scales: vec![1.0; ids.len()],
+        }
+    }
+
+    #[test]
+    fn absent_bodies_are_nan_and_the_rest_keep_their_rows() {
+        let pose = Pose {
+            position: DVec3::new(1.0e7 + 0.5, 2.0, 3.0),
+            rotation: Quat::from_xyzw(0.0, 0.0, 0.6, 0.8),
+        };
+        let mut poses = Poses::default();
+        let origin = DVec3::new(1.0e7, 0.0, 0.0);
+        poses.gather(&table(&[2, 5, 9]), origin, &[BodyId(5)], &[pose]).unwrap();
+        assert!(poses.positions[..3].iter().all(|x| x.is_nan()));
+        assert_eq!(poses.positions[3..6], [0.5, 2.0, 3.0]);
+        assert_eq!(poses.orientations[4..8], [0.0, 0.0, 0.6, 0.8]);
+        assert!(poses.orientations[8..].iter().all(|x| x.is_nan()));
+    }
+
+    #[test]
+    fn a_body_without_a_row_is_refused() {
+        let mut poses = Poses::default();
+        for id in [1, 4, 10] {
+            let error = poses.gather(&table(&[2, 5, 9]), DVec3::ZERO, &[BodyId(id)], &[Pose::default()]);
+            assert!(matches!(error, Err(Error::UnknownBody(unknown)) if unknown == id));
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Runs on disk, written from several sides and read from several others.
+
+mod promises;
+mod python;
+mod synthetic;

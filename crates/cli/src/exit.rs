@@ -1,0 +1,63 @@
+//! How the program ends.
+
+use crate::say;
+use rockfall_scene::SceneError;
+use std::io::{IsTerminal, stderr};
+use std::process::ExitCode;
+
+/// Why the program did not do what it was asked for. Each has its exit code; `docs/run.md` lists them.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Something outside the scene: disk, threads.
+    Run(String),
+    /// The scene is wrong; the text is complete, with its place and what was expected.
+    Scene(String),
+    /// The last state has another hash.
+    Hash {
+        /// What was asked for.
+        expected: u64,
+        /// What came out.
+        found: u64,
+    },
+    /// Somebody stopped the run; what it had done is on disk.
+    Interrupted,
+}
+
+impl Failure {
+    /// Says what went wrong, on standard error, and gives the exit code.
+    pub(crate) fn report(&self) -> ExitCode {
+        match self {
+            Failure::Run(text) => say::error(&format!("error: {text}")),
+            Failure::Scene(text) => say::error(text.trim_end()),
+            Failure::Hash { expected, found } => {
+                say::error(&format!("error: the hash is {found:016x}, expected {expected:016x}"));
+            }
+            Failure::Interrupted => {}
+        }
+        ExitCode::from(self.code())
+    }
+
+    fn code(&self) -> u8 {
+        match self {
+            Failure::Run(_) => 1,
+            Failure::Scene(_) => 3,
+            Failure::Hash { .. } => 4,
+            Failure::Interrupted => INTERRUPTED,
+        }
+    }
+}
+
+/// What shells expect of a program that Ctrl-C ended: 128 + SIGINT.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::Scene(error.render(stderr().is_terminal()))
+    }
+}
+
+impl From<rockfall_cache::Error> for Failure {
+    fn from(error: rockfall_cache::Error) -> Self {
+        Failure::Run(error.to_string())
+    }
+}

@@ -1,0 +1,124 @@
+//! The output of a run: the world's state, frame by frame, into a run's folder.
+
+use crate::args::RunArgs;
+use crate::exit::Failure;
+use crate::open;
+use rockfall::math::DVec3;
+use rockfall::{StepReport, World};
+use rockfall_cache::{BodyTable, Frame, RunFolder, RunWriter, SUMMARY, Summary};
+use rockfall_scene::{Running, Scene};
+use std::path::Path;
+use std::time::Duration;
+
+/// Where runs go when nobody says where.
+const RUNS: &str = "runs";
+
+/// Bodies within this distance of the world's origin, in metres and along each axis, keep it as theirs: single
+/// precision resolves a tenth of a millimetre there.
+const NEAR: f64 = 1000.0;
+
+/// A run's folder that is being filled.
+#[derive(Debug)]
+pub(crate) struct Output {
+    writer: RunWriter,
+    table: BodyTable,
+    origin: DVec3,
+}
+
+impl Output {
+    /// Whether there may be output where the options want it. Said before a scene is built, which can take a while.
+    pub(crate) fn check(args: &RunArgs) -> Result<(), Failure> {
+        match &args.out {
+            Some(path) => Ok(RunFolder::check(path, args.overwrite)?),
+            None => Ok(()),
+        }
+    }
+
+    /// Starts the folder and writes the state at the start.
+    pub(crate) fn start(
+        args: &RunArgs,
+        scene: &Scene,
+        running: &Running,
+        summary: &Summary,
+    ) -> Result<Self, Failure> {
+        let folder = match &args.out {
+            Some(path) => RunFolder::at(path, args.overwrite)?,
+            None => RunFolder::numbered(Path::new(RUNS), &open::name(&args.scene))?,
+        };
+        let table = table(running);
+        let origin = origin(running.world.poses().iter().map(|pose| pose.position));
+        let writer = RunWriter::create(&folder, &scene.to_toml_filled(), summary, &table, origin)?;
+        let mut output = Output { writer, table, origin };
+        output.push(&running.world, None)?;
+        Ok(output)
+    }
+
+    /// Hands the state of the world over to be written.
+    pub(crate) fn push(&mut self, world: &World, report: Option<&StepReport>) -> Result<(), Failure> {
+        let mut poses = self.writer.buffer();
+        poses.gather(&self.table, self.origin, &world.ids(), &world.poses())?;
+        let time = report.map_or(0.0, |report| report.time);
+        let hash = report.map(|_| world.hash());
+        self.writer.push(Frame { time, poses, report: report.cloned(), hash })?;
+        Ok(())
+    }
+
+    /// The folder.
+    pub(crate) fn path(&self) -> &Path {
+        self.writer.path()
+    }
+
+    /// Time that the simulation waited for the disk.
+    pub(crate) fn waited(&self) -> Duration {
+        self.writer.waited()
+    }
+
+    /// Waits for what is still to be written, then says how the run ended.
+    pub(crate) fn finish(self, summary: &Summary) -> Result<(), Failure> {
+        let path = self.writer.path().join(SUMMARY);
+        let written = self.writer.finish();
+        // Even when the disk refused poses it may take the few bytes that say so.
+        let told = summary.write(&path);
+        written?;
+        Ok(told?)
+    }
+}
+
+/// The bodies by ascending id.
+fn table(running: &Running) -> BodyTable {
+    let mut rows: Vec<_> = running.body_table().iter().collect();
+    rows.sort_by_key(|row| row.id);
+    BodyTable {
+        ids: rows.iter().map(|row| row.id).collect(),
+        names: rows.iter().map(|row| row.name.clone().unwrap_or_default()).collect(),
+        shapes: rows.iter().map(|row| row.shape as u32).collect(),
+        scales: rows.iter().map(|row| row.scale).collect(),
+    }
+}
+
+/// The world's origin where all bodies are near it, else the middle of the bodies, in whole metres.
+fn origin(positions: impl Iterator<Item = DVec3>) -> DVec3 {
+    let bounds = positions.fold(None, |bounds: Option<(DVec3, DVec3)>, p| {
+        Some(bounds.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
+    });
+    match bounds {
+        Some((low, high)) if low.abs().max(high.abs()).max_element() > NEAR => (0.5 * (low + high)).round(),
+        _ => DVec3::ZERO,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_near_the_origin_keep_it_and_others_get_their_own() {
+        assert_eq!(origin([].into_iter()), DVec3::ZERO);
+        assert_eq!(
+            origin([DVec3::new(-900.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 999.0)].into_iter()),
+            DVec3::ZERO
+        );
+        let far = [DVec3::new(5.0e6, 0.0, 0.25), DVec3::new(5.0e6 + 3.0, 0.0, 0.0)];
+        assert_eq!(origin(far.into_iter()), DVec3::new(5.0e6 + 2.0, 0.0, 0.0));
+    }
+}

@@ -1,0 +1,83 @@
+//! What a scene will need, without running it.
+
+use crate::args::solver_name;
+use crate::units;
+use rockfall_scene::Scene;
+use serde::Serialize;
+use std::fmt;
+use std::path::Path;
+use std::time::Duration;
+
+/// A pose on disk before compression: seven single-precision numbers.
+const POSE_BYTES: u64 = 28;
+/// A row of `frames.csv`, about.
+const ROW_BYTES: u64 = 500;
+/// Id, shape, scale and a short name.
+const BODY_BYTES: u64 = 24;
+
+/// What `--dry-run` and `info` say of a scene.
+#[derive(Debug, Serialize)]
+pub(crate) struct Plan {
+    scene: String,
+    bodies: u64,
+    shapes: u64,
+    frames: u64,
+    frames_per_second: f64,
+    simulated_s: f64,
+    solver: &'static str,
+    substeps: u32,
+    seed: u64,
+    memory_bytes: u64,
+    disk_bytes: u64,
+}
+
+impl Plan {
+    /// Of the scene that was read from `path`.
+    pub(crate) fn new(path: &Path, scene: &Scene) -> Self {
+        let estimate = scene.estimate();
+        let rate = f64::from(scene.settings.rate);
+        let poses = (scene.frames + 1).saturating_mul(estimate.bodies);
+        let disk = poses
+            .saturating_mul(POSE_BYTES)
+            .saturating_add(scene.frames.saturating_mul(ROW_BYTES))
+            .saturating_add(estimate.bodies.saturating_mul(BODY_BYTES));
+        Plan {
+            scene: path.display().to_string(),
+            bodies: estimate.bodies,
+            shapes: estimate.shapes,
+            frames: scene.frames,
+            frames_per_second: rate,
+            simulated_s: scene.frames as f64 / rate,
+            solver: solver_name(scene.settings.solver),
+            substeps: scene.settings.substeps,
+            seed: scene.seed,
+            memory_bytes: estimate.memory,
+            disk_bytes: disk,
+        }
+    }
+
+    /// As JSON.
+    pub(crate) fn to_json(&self) -> String {
+        // Only maps with keys that are not text can fail to become JSON, and there is none.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let time = units::time(Duration::try_from_secs_f64(self.simulated_s).unwrap_or(Duration::MAX));
+        writeln!(f, "{}", self.scene)?;
+        writeln!(f, "  bodies   {}", units::count(self.bodies))?;
+        writeln!(f, "  shapes   {}", units::count(self.shapes))?;
+        writeln!(
+            f,
+            "  frames   {}, {time} at {} per second",
+            units::count(self.frames),
+            self.frames_per_second
+        )?;
+        writeln!(f, "  solver   {}, {} sub-steps", self.solver, self.substeps)?;
+        writeln!(f, "  seed     {}", self.seed)?;
+        writeln!(f, "  memory   about {}", units::bytes(self.memory_bytes))?;
+        write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))
+    }
+}

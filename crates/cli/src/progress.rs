@@ -1,0 +1,105 @@
+//! What a person sees while a run goes on: a bar on a terminal, plain lines now and then elsewhere.
+
+use crate::{say, units};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rockfall::StepReport;
+use std::io::{IsTerminal, stderr};
+use std::time::{Duration, Instant};
+
+/// Time between two plain lines.
+const LINES: Duration = Duration::from_secs(3);
+
+/// Share of the newest step in the mean that is shown; the last twenty or so matter.
+const NEWEST: f64 = 0.1;
+
+/// Shows how far a run is.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    look: Look,
+    frames: u64,
+    done: u64,
+    start: Instant,
+    /// Mean of the last steps, seconds; zero before the first.
+    step: f64,
+}
+
+#[derive(Debug)]
+enum Look {
+    Bar(ProgressBar),
+    Lines { last: Instant },
+    Quiet,
+}
+
+impl Progress {
+    /// For a run of so many frames.
+    pub(crate) fn new(frames: u64, quiet: bool) -> Self {
+        let look = if quiet {
+            Look::Quiet
+        } else if stderr().is_terminal() {
+            let bar = ProgressBar::with_draw_target(Some(frames), ProgressDrawTarget::stderr());
+            let template = "{bar:24} {human_pos}/{human_len}  ETA {eta}  {wide_msg}";
+            // The template is a constant; were it wrong, the default style would do.
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
+            Look::Bar(bar)
+        } else {
+            Look::Lines { last: Instant::now() }
+        };
+        Progress { look, frames, done: 0, start: Instant::now(), step: 0.0 }
+    }
+
+    /// A step is done; it took `time`.
+    pub(crate) fn step(&mut self, report: &StepReport, time: Duration) {
+        self.done += 1;
+        let time = time.as_secs_f64();
+        self.step = if self.done == 1 { time } else { self.step + NEWEST * (time - self.step) };
+        let figures = || figures(report, self.step);
+        match &mut self.look {
+            Look::Bar(bar) => {
+                bar.set_position(self.done);
+                bar.set_message(figures());
+            }
+            Look::Lines { last } if last.elapsed() >= LINES => {
+                *last = Instant::now();
+                let elapsed = self.start.elapsed().as_secs_f64();
+                let left = elapsed / self.done as f64 * (self.frames - self.done.min(self.frames)) as f64;
+                let eta = units::time(Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX));
+                say::error(&format!("{}/{}  ETA {eta}  {}", self.done, self.frames, figures()));
+            }
+            Look::Lines { .. } | Look::Quiet => {}
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        if let Look::Bar(bar) = &self.look {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Bodies awake, contacts, time and throughput; `step` in seconds.
+fn figures(report: &StepReport, step: f64) -> String {
+    let rate = if step > 0.0 { report.bodies as f64 / step } else { 0.0 };
+    format!(
+        "awake {}  contacts {}  {:.1} ms/step  {}",
+        units::count(report.awake as u64),
+        units::count(report.contacts as u64),
+        step * 1e3,
+        units::si(rate, "body·steps/s"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_of_the_step() {
+        let report = StepReport { bodies: 20_000, awake: 19_000, contacts: 61_204, ..StepReport::default() };
+        assert_eq!(
+            figures(&report, 0.4),
+            "awake 19,000  contacts 61,204  400.0 ms/step  50.00 kbody·steps/s"
+        );
+        assert_eq!(figures(&report, 0.0), "awake 19,000  contacts 61,204  0.0 ms/step  0 body·steps/s");
+    }
+}
