@@ -231,7 +231,7 @@ fn a_sliding_body_feels_no_seams() {
                 for k in 0..400 {
                     let t = k as f32 * 0.0037;
                     pose.translation = Vec3::new(t - 0.7, 0.31 * t, -lowest - 0.003);
-                    let what = format!("step {k}, tilt {tilt}, {shape:?}");
+                    let what = format!("step {k}, tilt {tilt}, {}", shape.name());
                     check_like_half_space(&what, shape, &pose, &touch(shape, mesh, &pose, 0.02), 0.02);
                 }
             }
