@@ -228,8 +228,8 @@ fn a_sliding_body_feels_no_seams() {
                 let lean = rotation::from_rotation_vector(Vec3::new(tilt, 0.7 * tilt, 0.4));
                 let mut pose = at(Vec3::ZERO, lean);
                 let lowest = points.iter().map(|&p| pose.point(p).z - radius).fold(f32::INFINITY, f32::min);
-                for k in 0..400 {
-                    let t = k as f32 * 0.0037;
+                for k in 0..200 {
+                    let t = k as f32 * 0.0074;
                     pose.translation = Vec3::new(t - 0.7, 0.31 * t, -lowest - 0.003);
                     let what = format!("step {k}, tilt {tilt}, {}", shape.name());
                     check_like_half_space(&what, shape, &pose, &touch(shape, mesh, &pose, 0.02), 0.02);
