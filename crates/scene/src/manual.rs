@@ -46,7 +46,11 @@ fn heading(out: &mut String, title: &str, about: &str) {
 
 fn section(out: &mut String, title: &str, spec: &Spec, kind: bool) {
     heading(out, title, spec.about);
-    let _ = write!(out, "\n```toml\n{}```\n\n| key | type | default | meaning |\n|---|---|---|---|\n", spec.example);
+    let _ = write!(
+        out,
+        "\n```toml\n{}```\n\n| key | type | default | meaning |\n|---|---|---|---|\n",
+        spec.example
+    );
     if kind {
         let _ = writeln!(out, "| `kind` | `{}` | | |", spec.name);
     }

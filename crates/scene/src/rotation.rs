@@ -47,7 +47,10 @@ pub(crate) fn read(table: &Table, key: &str) -> Result<Quat, Problem> {
         (&[x, y, z], None) => {
             let [x, y, z] = [x, y, z].map(|degrees| libm::sincos(0.5 * degrees.to_radians()));
             let x = Quat::from_xyzw(x.0 as f32, 0.0, 0.0, x.1 as f32);
-            rotation::compose(heading_from(z), rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x))
+            rotation::compose(
+                heading_from(z),
+                rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x),
+            )
         }
         _ => Quat::IDENTITY,
     })

@@ -35,7 +35,12 @@ region = { min = [-5, -5, 1], max = [5, 5, 20] }
             required("count", Ty::Int(1, 4_294_967_295), "Bodies."),
             required("region", REGION, "Where they may be; see below."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Least distance of the balls around the bodies, m."),
-            key("attempts", Ty::Int(1, 1_000_000), "1000", "Random places that a body tries before it gives up."),
+            key(
+                "attempts",
+                Ty::Int(1, 1_000_000),
+                "1000",
+                "Random places that a body tries before it gives up.",
+            ),
         ],
         TURNED,
         SURFACE,
@@ -77,7 +82,13 @@ fn place(table: &Table, label: &str, yard: &mut Yard<'_>) -> Result<(), Problem>
         let (shape, scale) = yard.draw(&choices, table, &mut random)?;
         let rotation = if turning { random.rotation() } else { fixed };
         let (centre, radius) = yard.ball(shape);
-        bodies.push(Waiting { shape, scale, rotation, offset: rotate(rotation, centre), radius: radius.into() });
+        bodies.push(Waiting {
+            shape,
+            scale,
+            rotation,
+            offset: rotate(rotation, centre),
+            radius: radius.into(),
+        });
     }
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| bodies[b].radius.total_cmp(&bodies[a].radius).then(a.cmp(&b)));

@@ -39,7 +39,12 @@ distribution = "power-law"
                 "[0.6, 0.95]",
                 "Ratio of the middle axis to the longest, and of the shortest to the middle one.",
             ),
-            key("roughness", Ty::Number(SHARE), "0.12", "How far corners are moved in or out, as a share of the radius."),
+            key(
+                "roughness",
+                Ty::Number(SHARE),
+                "0.12",
+                "How far corners are moved in or out, as a share of the radius.",
+            ),
             key("cuts", Ty::Int(0, 16), "3", "Planes that cut a piece off."),
         ],
         DISTRIBUTION,

@@ -21,7 +21,11 @@ spacing = [5, 5]
 "#,
     groups: &[&[
         optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain. Either this or `heights`."),
-        optional("heights", Ty::Numbers(&[], ANY), "m, row by row, each row along x; with `columns` and `spacing`."),
+        optional(
+            "heights",
+            Ty::Numbers(&[], ANY),
+            "m, row by row, each row along x; with `columns` and `spacing`.",
+        ),
         optional("columns", Ty::Int(2, 4097), "Samples in a row."),
         optional("spacing", Ty::Numbers(&[2], POSITIVE), "Distance of samples along x and y, m."),
     ]],
