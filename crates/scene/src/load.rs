@@ -6,7 +6,7 @@ use crate::node::{Node, Table, Value};
 use crate::root::{MATERIAL, ROOT};
 use crate::source::{Source, Sources, Span};
 use crate::spec::Ty;
-use crate::{body, generators, root, shapes};
+use crate::{body, generators, nesting, root, shapes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -72,6 +72,12 @@ impl Loader {
     pub(crate) fn text(&mut self, source: Source) {
         let (text, base) = (source.text.clone(), source.base.clone());
         let index = self.sources.add(source);
+        if let Some(at) = nesting::too_deep(&text) {
+            let span = Span { source: index, start: at as u32, end: at as u32 + 1 };
+            let expected = format!("brackets at most {} deep", nesting::DEEPEST);
+            self.problems.push(Problem::at(span, "too many brackets in brackets").expecting(expected));
+            return;
+        }
         let raw = match DeTable::parse(&text) {
             Ok(raw) => raw,
             Err(error) => {
