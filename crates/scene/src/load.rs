@@ -109,6 +109,7 @@ impl Loader {
                 path: String::new(),
                 entries: Vec::new(),
             });
+            absolute_paths(&mut root, &self.sources);
             complete(&mut root, &mut self.problems);
             if self.problems.is_empty() {
                 return Ok((root, self.sources));
@@ -220,6 +221,19 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     kinds_of_bodies(root, problems);
     unique(root, "id", problems);
     unique(root, "name", problems);
+}
+
+/// Makes the paths of mesh files independent of the folder, so that a scene equals its filled text.
+fn absolute_paths(root: &mut Table, sources: &Sources) {
+    let shapes = root.entries.iter_mut().find(|(k, _)| *k == "shapes");
+    let Some((_, Node { value: Value::Named(shapes), .. })) = shapes else { return };
+    for (_, shape) in shapes {
+        let Value::Table(shape) = &mut shape.value else { continue };
+        let Some((_, file)) = shape.entries.iter_mut().find(|(k, _)| *k == "file") else { continue };
+        let path = sources.get(file.span).base.join(file.value.text());
+        let path = std::path::absolute(&path).unwrap_or(path);
+        file.value = Value::Text(path.display().to_string());
+    }
 }
 
 /// Changes `[world]`.

@@ -60,7 +60,7 @@ pub(super) static BOULDERS: ShapeKind = ShapeKind {
     cook,
 };
 
-fn cook(table: &Table, context: &Cook<'_>) -> Result<Vec<Shape>, Problem> {
+fn cook(table: &Table, context: &Cook) -> Result<Vec<Shape>, Problem> {
     let (min, max) = table.pair("radius");
     let count = table.int("count") as usize;
     let radii = Sizes::read(table, min, max).classes(count);
