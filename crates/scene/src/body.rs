@@ -28,7 +28,12 @@ pub(crate) const MOTION: &[Key] = &[
     key("angular_velocity", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "rad/s, in the world's axes."),
     key("gravity_scale", Ty::Number(ANY), "1", "Gravity is multiplied by this."),
     key("linear_damping", Ty::Number(NOT_NEGATIVE), "0", "Share of the velocity lost per second, 1/s."),
-    key("angular_damping", Ty::Number(NOT_NEGATIVE), "0", "Share of the angular velocity lost per second, 1/s."),
+    key(
+        "angular_damping",
+        Ty::Number(NOT_NEGATIVE),
+        "0",
+        "Share of the angular velocity lost per second, 1/s.",
+    ),
     key(
         "locks",
         Ty::Choices(LOCKS),
@@ -41,6 +46,14 @@ pub(crate) const MOTION: &[Key] = &[
 pub(crate) static BODY: Spec = Spec {
     name: "body",
     about: "One body.",
+    example: r#"[[bodies]]
+name = "hammer"
+shape = "ball"
+position = [0, 0, 8]
+rotation = { axis = [1, 0, 0], degrees = 30 }
+velocity = [2, 0, 0]
+locks = ["ry"]
+"#,
     groups: &[
         &[
             required("shape", Ty::Shape, "Name of its shape."),
@@ -65,7 +78,11 @@ pub(crate) static BODY: Spec = Spec {
                  are taken left out.",
             ),
             optional("mass", Ty::Number(POSITIVE), "kg; replaces that of shape and density."),
-            optional("center", Ty::Numbers(&[3], ANY), "Centre of mass in the shape's frame, m; needs `mass`."),
+            optional(
+                "center",
+                Ty::Numbers(&[3], ANY),
+                "Centre of mass in the shape's frame, m; needs `mass`.",
+            ),
             optional(
                 "inertia",
                 Ty::Numbers(&[3, 6], ANY),

@@ -51,13 +51,27 @@ const SHAPED: &[Key] = &[
         Ty::Shapes,
         "Name of the shape or family of shapes; of several names each body takes one at random.",
     ),
-    optional("size", Ty::Table(&SIZES), "Random sizes. All bodies keep the size of their shape where not given."),
+    optional(
+        "size",
+        Ty::Table(&SIZES),
+        "Random sizes. All bodies keep the size of their shape where not given.",
+    ),
 ];
 
 /// How the bodies of a fill or a pour are turned.
 const TURNED: &[Key] = &[
-    key("orientation", Ty::Choice(&["random", "fixed"]), "\"random\"", "Each body its own, or all as `rotation`."),
-    key("rotation", Ty::Rotation, "[0, 0, 0]", "Of all bodies where `orientation` is `fixed`; forms as for bodies."),
+    key(
+        "orientation",
+        Ty::Choice(&["random", "fixed"]),
+        "\"random\"",
+        "Each body its own, or all as `rotation`.",
+    ),
+    key(
+        "rotation",
+        Ty::Rotation,
+        "[0, 0, 0]",
+        "Of all bodies where `orientation` is `fixed`; forms as for bodies.",
+    ),
 ];
 
 /// The kind of a generator's table.

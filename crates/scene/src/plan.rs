@@ -155,11 +155,12 @@ impl Yard<'_> {
         shape.cloned().ok_or_else(|| Problem::at(table.span, format!("`{}` uses no shape", table.path)))
     }
 
-    /// A shape that a generator made itself.
-    pub(crate) fn shape(&mut self, shape: Shape) -> u32 {
+    /// Adds a shape that `table` needs.
+    pub(crate) fn shape(&mut self, shape: Shape, table: &Table) -> Result<u32, Problem> {
+        shape.validate().map_err(|why| Problem::at(table.span, format!("`{}`: {why}", table.path)))?;
         self.balls.push(bounding_ball(&shape).unwrap_or_default());
         self.plan.shapes.push(shape);
-        (self.plan.shapes.len() - 1) as u32
+        Ok((self.plan.shapes.len() - 1) as u32)
     }
 
     /// The shape of the scene at a size.
@@ -169,9 +170,12 @@ impl Yard<'_> {
             return Ok(shape);
         }
         let shape = scaled(&self.member(family, member, table)?, scale).map_err(|why| {
-            Problem::at(table.span_of("shape"), format!("`{}` at size {scale}: {why}", table.path_of("shape")))
+            Problem::at(
+                table.span_of("shape"),
+                format!("`{}` at size {scale}: {why}", table.path_of("shape")),
+            )
         })?;
-        let shape = self.shape(shape);
+        let shape = self.shape(shape, table)?;
         self.known.insert(key, shape);
         Ok(shape)
     }

@@ -60,12 +60,6 @@ impl Random {
         let (p, q) = ((1.0 - u).sqrt(), u.sqrt());
         Quat::from_xyzw((p * sa) as f32, (p * ca) as f32, (q * sb) as f32, (q * cb) as f32)
     }
-
-    /// Mean 0, variance 1 (Box and Muller 1958; one of the pair).
-    pub(crate) fn normal(&mut self) -> f64 {
-        let u = 1.0 - self.unit();
-        (-2.0 * libm::log(u)).sqrt() * libm::cos(self.within(0.0, std::f64::consts::TAU))
-    }
 }
 
 /// The 64-bit FNV-1a hash.
@@ -99,10 +93,6 @@ mod tests {
         let n = 20_000;
         let mean = |f: &mut dyn FnMut() -> f64| (0..n).map(|_| f()).sum::<f64>() / f64::from(n);
         assert!((mean(&mut || random.unit()) - 0.5).abs() < 0.01);
-        let mut random = Random::new(8, "moments");
-        assert!(mean(&mut || random.normal()).abs() < 0.03);
-        let mut random = Random::new(9, "moments");
-        assert!((mean(&mut || random.normal().powi(2)) - 1.0).abs() < 0.05);
         let mut random = Random::new(10, "moments");
         assert!((mean(&mut || random.below(5) as f64) - 2.0).abs() < 0.05);
     }

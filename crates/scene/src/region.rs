@@ -15,6 +15,8 @@ use std::sync::Arc;
 pub(crate) static BOX_KEYS: Spec = Spec {
     name: "box",
     about: "A box; whole bodies are in it.",
+    example: r#"region = { min = [-5, -5, 0], max = [5, 5, 10] }
+"#,
     groups: &[&[
         required("min", Ty::Numbers(&[3], ANY), "Lower corner, m."),
         required("max", Ty::Numbers(&[3], ANY), "Upper corner, m."),
@@ -25,6 +27,8 @@ static ABOVE_KEYS: Spec = Spec {
     name: "above",
     about: "A layer above a height field; x and y of the corners are places, z is the height above the highest ground \
             below a body.",
+    example: r#"region = { kind = "above", shape = "ramp", min = [-4, -2, 0.1], max = [4, 2, 3] }
+"#,
     groups: &[&[
         required("shape", Ty::Shape, "Name of the height field."),
         key("position", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "Where the height field is, m."),
@@ -36,6 +40,8 @@ static ABOVE_KEYS: Spec = Spec {
 static INSIDE_KEYS: Spec = Spec {
     name: "inside",
     about: "The inside of a closed mesh.",
+    example: r#"region = { kind = "inside", shape = "valley", margin = 0.05 }
+"#,
     groups: &[&[
         required("shape", Ty::Shape, "Name of the mesh."),
         key("position", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "Where the mesh is, m."),
@@ -56,7 +62,9 @@ pub(crate) fn check(table: &Table) -> Result<(), Problem> {
     let (min, max) = (table.dvec3("min"), table.dvec3("max"));
     if !min.cmplt(max).all() {
         let message = format!("`{}` is not below `max`", table.path_of("min"));
-        return Err(Problem::at(table.span_of("min"), message).expecting("three numbers below those of `max`"));
+        return Err(
+            Problem::at(table.span_of("min"), message).expecting("three numbers below those of `max`")
+        );
     }
     if table.spec.key("shape").is_some() && min.z < 0.0 {
         let message = format!("`{}` is below the ground", table.path_of("min"));

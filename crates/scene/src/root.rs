@@ -12,6 +12,14 @@ use rockfall::{Material, Mix, Settings, Solver};
 pub(crate) static ROOT: Spec = Spec {
     name: "scene",
     about: "A scene file.",
+    example: r#"[shapes.ball]
+kind = "sphere"
+radius = 0.5
+
+[[bodies]]
+shape = "ball"
+position = [0, 0, 10]
+"#,
     groups: &[&[
         key(
             "include",
@@ -27,7 +35,12 @@ pub(crate) static ROOT: Spec = Spec {
             "{}",
             "Materials by name. A scene that defines no `default` has one with all defaults.",
         ),
-        key("shapes", Ty::Named(&Ty::Kinds(SHAPE_KINDS)), "{}", "Shapes by name, shared by any number of bodies."),
+        key(
+            "shapes",
+            Ty::Named(&Ty::Kinds(SHAPE_KINDS)),
+            "{}",
+            "Shapes by name, shared by any number of bodies.",
+        ),
         key("bodies", Ty::List(&Ty::Table(&BODY)), "[]", "Bodies, one by one."),
         key("generators", Ty::List(&Ty::Kinds(GENERATOR_KINDS)), "[]", "Bodies in bulk."),
     ]],
@@ -42,6 +55,11 @@ const RATE: Range = Range { min: 1.0, max: 100_000.0 };
 pub(crate) static WORLD: Spec = Spec {
     name: "world",
     about: "What holds for the whole scene.",
+    example: r#"[world]
+gravity = [0, 0, -3.71] # Mars
+duration = 10
+substeps = 8
+"#,
     groups: &[&[
         key("gravity", Ty::Numbers(&[3], ANY), "[0, 0, -9.81]", "m/s². z is up."),
         key("rate", Ty::Number(RATE), "60", "Frames per second of simulated time."),
@@ -68,7 +86,7 @@ pub(crate) static WORLD: Spec = Spec {
             "10",
             "`soft-step`: damping ratio of the position correction; 1 is critical, larger is calmer.",
         ),
-        key("push_speed", Ty::Number(NOT_NEGATIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
+        key("push_speed", Ty::Number(POSITIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
         key(
             "restitution_threshold",
             Ty::Number(NOT_NEGATIVE),
@@ -98,9 +116,19 @@ const FRICTION: Range = Range { min: 0.0, max: 1000.0 };
 pub(crate) static MATERIAL: Spec = Spec {
     name: "material",
     about: "What a surface is made of. The defaults are those of rock.",
+    example: r#"[materials.ice]
+density = 917
+friction = 0.03
+friction_mix = "minimum"
+"#,
     groups: &[&[
         key("density", Ty::Number(POSITIVE), "2600", "kg/m³."),
-        key("restitution", Ty::Number(SHARE), "0", "0 stops dead, 1 bounces back to the start (the report's μ_N)."),
+        key(
+            "restitution",
+            Ty::Number(SHARE),
+            "0",
+            "0 stops dead, 1 bounces back to the start (the report's μ_N).",
+        ),
         key("friction", Ty::Number(FRICTION), "0.6", "Coulomb's coefficient (the report's μ_T)."),
         key(
             "rolling_friction",

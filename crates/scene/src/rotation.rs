@@ -9,6 +9,8 @@ use rockfall_math::{Quat, rotation};
 pub(crate) static AXIS_DEGREES: Spec = Spec {
     name: "rotation",
     about: "A rotation about an axis, counter-clockwise when the axis points at you.",
+    example: r#"rotation = { axis = [0, 0, 1], degrees = 45 }
+"#,
     groups: &[&[
         required("axis", Ty::Numbers(&[3], ANY), "Any length but zero."),
         required("degrees", Ty::Number(ANY), "Angle."),
@@ -45,7 +47,10 @@ pub(crate) fn read(table: &Table, key: &str) -> Result<Quat, Problem> {
         (&[x, y, z], None) => {
             let [x, y, z] = [x, y, z].map(|degrees| libm::sincos(0.5 * degrees.to_radians()));
             let x = Quat::from_xyzw(x.0 as f32, 0.0, 0.0, x.1 as f32);
-            rotation::compose(heading_from(z), rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x))
+            rotation::compose(
+                heading_from(z),
+                rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x),
+            )
         }
         _ => Quat::IDENTITY,
     })

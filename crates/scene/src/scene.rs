@@ -136,8 +136,9 @@ impl Scene {
     /// A scene that needs more memory than there is, geometry that can't be cooked, a fill that does not fit.
     pub fn build(&self) -> Result<Running, SceneError> {
         let plan = self.plan()?;
-        Running::new(self.settings, plan)
-            .map_err(|e| SceneError::one(Problem::new(format!("the world refused the scene: {e}")), &self.sources))
+        Running::new(self.settings, plan).map_err(|e| {
+            SceneError::one(Problem::new(format!("the world refused the scene: {e}")), &self.sources)
+        })
     }
 
     /// Looks for everything that could go wrong in [`Scene::build`], short of the world itself, on a machine with

@@ -25,6 +25,8 @@ pub(crate) const DISTRIBUTION: &[Key] = &[
 pub(crate) static SIZES: Spec = Spec {
     name: "size",
     about: "Random sizes: each body's shape is scaled by a factor drawn from this distribution.",
+    example: r#"size = { min = 0.5, max = 2, distribution = "log-normal", classes = 32 }
+"#,
     groups: &[
         &[
             required("min", Ty::Number(POSITIVE), "Smallest factor."),

@@ -7,6 +7,8 @@ pub(crate) struct Spec {
     /// What it is called in messages and in the manual; for one of [`Kinds`], the word that chooses it.
     pub(crate) name: &'static str,
     pub(crate) about: &'static str,
+    /// TOML that people can begin with.
+    pub(crate) example: &'static str,
     /// Keys, in groups that several tables share.
     pub(crate) groups: &'static [&'static [Key]],
 }
@@ -170,7 +172,9 @@ impl Ty {
             Ty::Texts => "a list of texts in quotes".to_owned(),
             Ty::Points => "a list of points [x, y, z]".to_owned(),
             Ty::Triangles => "a list of triangles [i, j, k]".to_owned(),
-            Ty::Rotation => "[x, y, z] in degrees, a quaternion [x, y, z, w], or { axis, degrees }".to_owned(),
+            Ty::Rotation => {
+                "[x, y, z] in degrees, a quaternion [x, y, z, w], or { axis, degrees }".to_owned()
+            }
             Ty::Shape => "the name of a shape".to_owned(),
             Ty::Shapes => "the name of a shape, or a list of names".to_owned(),
             Ty::Material => "the name of a material".to_owned(),

@@ -12,6 +12,8 @@ pub(crate) static TERRAIN: Spec = Spec {
     name: "terrain",
     about: "Procedural terrain around the origin: a slope that falls along x into a valley whose floor is at z = 0, \
             roughened by noise.",
+    example: r#"terrain = { size = [300, 150], cells = [300, 150], slope = 35, run_out = 80, amplitude = 3 }
+"#,
     groups: &[&[
         key("size", Ty::Numbers(&[2], POSITIVE), "[200, 200]", "Extent along x and y, m."),
         key("cells", Ty::Ints(2, 1, 4096), "[128, 128]", "Cells along x and y; each is two triangles."),

@@ -22,13 +22,25 @@ pub(super) static FILL_KEYS: Spec = Spec {
     name: "fill",
     about: "Bodies at random places of a region, none overlapping another. When they don't all fit, the scene is \
             refused and says how many did.",
+    example: r#"[[generators]]
+kind = "fill"
+shape = ["ball", "crate"]
+count = 500
+size = { min = 0.2, max = 0.6 }
+region = { min = [-5, -5, 1], max = [5, 5, 20] }
+"#,
     groups: &[
         SHAPED,
         &[
             required("count", Ty::Int(1, 4_294_967_295), "Bodies."),
             required("region", REGION, "Where they may be; see below."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Least distance of the balls around the bodies, m."),
-            key("attempts", Ty::Int(1, 1_000_000), "1000", "Random places that a body tries before it gives up."),
+            key(
+                "attempts",
+                Ty::Int(1, 1_000_000),
+                "1000",
+                "Random places that a body tries before it gives up.",
+            ),
         ],
         TURNED,
         SURFACE,
@@ -70,7 +82,13 @@ fn place(table: &Table, label: &str, yard: &mut Yard<'_>) -> Result<(), Problem>
         let (shape, scale) = yard.draw(&choices, table, &mut random)?;
         let rotation = if turning { random.rotation() } else { fixed };
         let (centre, radius) = yard.ball(shape);
-        bodies.push(Waiting { shape, scale, rotation, offset: rotate(rotation, centre), radius: radius.into() });
+        bodies.push(Waiting {
+            shape,
+            scale,
+            rotation,
+            offset: rotate(rotation, centre),
+            radius: radius.into(),
+        });
     }
     let mut order: Vec<usize> = (0..count).collect();
     order.sort_by(|&a, &b| bodies[b].radius.total_cmp(&bodies[a].radius).then(a.cmp(&b)));

@@ -13,6 +13,14 @@ use rockfall_math::{DVec3, Pose};
 pub(super) static GRID_KEYS: Spec = Spec {
     name: "grid",
     about: "Bodies on a regular grid, numbered along x, then y, then z.",
+    example: r#"[[generators]]
+kind = "grid"
+shape = "ball"
+count = [10, 10, 5]
+spacing = [1.1, 1.1, 1.1]
+position = [0, 0, 1]
+jitter = 0.02
+"#,
     groups: &[
         SHAPED,
         &[

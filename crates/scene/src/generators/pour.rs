@@ -22,13 +22,25 @@ pub(super) static POUR_KEYS: Spec = Spec {
     name: "pour",
     about: "Bodies that come into being over time, at random places of a region, none overlapping another. When there \
             is no room, they wait.",
+    example: r#"[[generators]]
+kind = "pour"
+shape = "ball"
+count = 2000
+rate = 400
+region = { min = [-4, -4, 20], max = [4, 4, 24] }
+velocity = [0, 0, -10]
+"#,
     groups: &[
         SHAPED,
         &[
             required("count", Ty::Int(1, 4_294_967_295), "Bodies, all in all."),
             required("rate", Ty::Number(POSITIVE), "Bodies per second."),
             key("start", Ty::Number(NOT_NEGATIVE), "0", "When it begins, s."),
-            required("region", Ty::Table(&BOX_KEYS), "A box in which the bodies appear: `{ min = [..], max = [..] }`."),
+            required(
+                "region",
+                Ty::Table(&BOX_KEYS),
+                "A box in which the bodies appear: `{ min = [..], max = [..] }`.",
+            ),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Least distance of the balls around the bodies, m."),
             key("attempts", Ty::Int(1, 1_000_000), "100", "Random places that a body tries in a frame."),
         ],
@@ -72,7 +84,8 @@ fn place(table: &Table, label: &str, yard: &mut Yard<'_>) -> Result<(), Problem>
     let mut drawn = Vec::with_capacity(count);
     let mut largest = 0.0_f64;
     for k in 0..count {
-        let (shape, scale) = yard.draw(&choices, table, &mut Random::new(yard.seed, &format!("{label}.{k}")))?;
+        let (shape, scale) =
+            yard.draw(&choices, table, &mut Random::new(yard.seed, &format!("{label}.{k}")))?;
         largest = largest.max(yard.ball(shape).1.into());
         drawn.push((shape, scale));
     }

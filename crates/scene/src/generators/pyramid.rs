@@ -13,13 +13,23 @@ use rockfall_math::{Pose, Vec3, rotation::rotate};
 pub(super) static PYRAMID_KEYS: Spec = Spec {
     name: "pyramid",
     about: "A pyramid one box deep: each course has one box less than the one below. Numbered from the bottom.",
+    example: r#"[[generators]]
+kind = "pyramid"
+base = 20
+brick = [1, 0.5, 0.5]
+"#,
     groups: &[
         &[
             required("base", Ty::Int(1, 4_294_967_295), "Boxes in the lowest course."),
             key("brick", Ty::Numbers(&[3], POSITIVE), "[1, 1, 1]", "Length, depth, height of a box, m."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Between neighbours in a course, m."),
             key("position", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "Middle of the pyramid's foot, m."),
-            key("heading", Ty::Number(ANY), "0", "The pyramid runs along x, turned about z by this, degrees."),
+            key(
+                "heading",
+                Ty::Number(ANY),
+                "0",
+                "The pyramid runs along x, turned about z by this, degrees.",
+            ),
         ],
         SURFACE,
         MOTION,
@@ -40,7 +50,7 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let template = yard.moving(table);
     let (brick, base) = (table.dvec3("brick"), table.int("base"));
     let pitch = brick.x + table.f64("gap");
-    let shape = yard.shape(Shape::Box { half: 0.5 * brick.as_vec3() });
+    let shape = yard.shape(Shape::Box { half: 0.5 * brick.as_vec3() }, table)?;
     let rotation = rotation::heading(table.f64("heading"));
     for course in 0..base {
         let boxes = base - course;

@@ -13,9 +13,20 @@ use rockfall_math::{Pose, Vec3, rotation::rotate};
 pub(super) static WALL_KEYS: Spec = Spec {
     name: "wall",
     about: "A wall of bricks in running bond, numbered course by course from the bottom.",
+    example: r#"[[generators]]
+kind = "wall"
+length = 20
+courses = 30
+heading = 90
+"#,
     groups: &[
         &[
-            key("brick", Ty::Numbers(&[3], POSITIVE), "[0.24, 0.115, 0.071]", "Length, depth, height of a brick, m."),
+            key(
+                "brick",
+                Ty::Numbers(&[3], POSITIVE),
+                "[0.24, 0.115, 0.071]",
+                "Length, depth, height of a brick, m.",
+            ),
             required("length", Ty::Int(1, 4_294_967_295), "Bricks in a course."),
             required("courses", Ty::Int(1, 4_294_967_295), "Courses, one on the other."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Between neighbours in a course, m."),
@@ -49,11 +60,11 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let (brick, gap) = (table.dvec3("brick"), table.f64("gap"));
     let (length, courses) = (table.int("length"), table.int("courses"));
     let half = 0.5 * brick.as_vec3();
-    let whole_brick = yard.shape(Shape::Box { half });
+    let whole_brick = yard.shape(Shape::Box { half }, table)?;
     // Two halves and their gap are as long as a whole one.
     let short = 0.5 * (brick.x - gap);
     let half_brick = if courses > 1 {
-        yard.shape(Shape::Box { half: Vec3::new(0.5 * short as f32, half.y, half.z) })
+        yard.shape(Shape::Box { half: Vec3::new(0.5 * short as f32, half.y, half.z) }, table)?
     } else {
         whole_brick
     };

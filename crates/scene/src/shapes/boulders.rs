@@ -22,6 +22,12 @@ pub(super) static BOULDERS_KEYS: Spec = Spec {
     name: "boulders",
     about: "A family of convex boulders, no two alike, centred on their centres of mass. A generator picks one of them \
             for each body.",
+    example: r#"[shapes.rocks]
+kind = "boulders"
+count = 48
+radius = [0.2, 1]
+distribution = "power-law"
+"#,
     groups: &[
         &[
             key("count", Ty::Int(1, 4096), "24", "Boulders in the family."),
@@ -33,7 +39,12 @@ pub(super) static BOULDERS_KEYS: Spec = Spec {
                 "[0.6, 0.95]",
                 "Ratio of the middle axis to the longest, and of the shortest to the middle one.",
             ),
-            key("roughness", Ty::Number(SHARE), "0.12", "How far corners are moved in or out, as a share of the radius."),
+            key(
+                "roughness",
+                Ty::Number(SHARE),
+                "0.12",
+                "How far corners are moved in or out, as a share of the radius.",
+            ),
             key("cuts", Ty::Int(0, 16), "3", "Planes that cut a piece off."),
         ],
         DISTRIBUTION,

@@ -12,6 +12,11 @@ pub(super) static BOXES_KEYS: Spec = Spec {
     name: "boxes",
     about: "A family of boxes around the origin, each edge of random length. A generator picks one of them for each \
             body.",
+    example: r#"[shapes.parcels]
+kind = "boxes"
+min = [0.3, 0.3, 0.1]
+max = [0.8, 0.6, 0.5]
+"#,
     groups: &[&[
         key("count", Ty::Int(1, 4096), "64", "Boxes in the family."),
         required("min", Ty::Numbers(&[3], POSITIVE), "Shortest edges along x, y, z, m."),

@@ -13,9 +13,19 @@ use std::sync::Arc;
 pub(super) static HEIGHT_FIELD_KEYS: Spec = Spec {
     name: "height-field",
     about: "Ground over a regular grid, centred on the origin, solid below. For bodies that are static or kinematic.",
+    example: r#"[shapes.ramp]
+kind = "height-field"
+heights = [2, 1, 0, 2, 1, 0]
+columns = 3
+spacing = [5, 5]
+"#,
     groups: &[&[
         optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain. Either this or `heights`."),
-        optional("heights", Ty::Numbers(&[], ANY), "m, row by row, each row along x; with `columns` and `spacing`."),
+        optional(
+            "heights",
+            Ty::Numbers(&[], ANY),
+            "m, row by row, each row along x; with `columns` and `spacing`.",
+        ),
         optional("columns", Ty::Int(2, 4097), "Samples in a row."),
         optional("spacing", Ty::Numbers(&[2], POSITIVE), "Distance of samples along x and y, m."),
     ]],

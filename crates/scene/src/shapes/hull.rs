@@ -13,6 +13,10 @@ use std::sync::Arc;
 pub(super) static HULL_KEYS: Spec = Spec {
     name: "hull",
     about: "The convex hull of points, or of the corners of any mesh file.",
+    example: r#"[shapes.wedge]
+kind = "hull"
+points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]]
+"#,
     groups: &[&[
         optional("points", Ty::Points, "At least 4 that are not in one plane, m. Either this or `file`."),
         optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),

@@ -15,6 +15,11 @@ pub(super) static MESH_KEYS: Spec = Spec {
     name: "mesh",
     about: "A triangle surface, open or closed, hit from the side that its triangles show counter-clockwise. For \
             bodies that are static or kinematic.",
+    example: r#"[shapes.valley]
+kind = "mesh"
+file = "meshes/valley.obj"
+scale = 0.01 # the file is in centimetres
+"#,
     groups: &[&[
         optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),
         optional("vertices", Ty::Points, "Corners, m; with `triangles`."),
@@ -75,7 +80,7 @@ fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
     };
     let scale = table.f32("scale");
     vertices.iter_mut().for_each(|v| *v *= scale);
-    let mesh = Mesh::from_triangles(vertices, triangles).map_err(|e| failed(table, source, e))?;
+    let mesh = Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))?;
     Ok(Shape::Mesh(Arc::new(mesh)))
 }
 

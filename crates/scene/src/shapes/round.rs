@@ -9,6 +9,10 @@ use rockfall::Shape;
 pub(super) static SPHERE_KEYS: Spec = Spec {
     name: "sphere",
     about: "A ball around the origin.",
+    example: r#"[shapes.ball]
+kind = "sphere"
+radius = 0.5
+"#,
     groups: &[&[required("radius", Ty::Number(POSITIVE), "m.")]],
 };
 
@@ -24,6 +28,10 @@ pub(super) static SPHERE: ShapeKind = ShapeKind {
 pub(super) static BOX_KEYS: Spec = Spec {
     name: "box",
     about: "A box around the origin.",
+    example: r#"[shapes.crate]
+kind = "box"
+size = [1, 0.6, 0.4]
+"#,
     groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Edge lengths along x, y, z, m.")]],
 };
 
@@ -39,6 +47,11 @@ pub(super) static BOX: ShapeKind = ShapeKind {
 pub(super) static CAPSULE_KEYS: Spec = Spec {
     name: "capsule",
     about: "A cylinder with half balls at its ends, along z, around the origin.",
+    example: r#"[shapes.log]
+kind = "capsule"
+radius = 0.2
+length = 1.5
+"#,
     groups: &[&[
         required("radius", Ty::Number(POSITIVE), "m."),
         required("length", Ty::Number(NOT_NEGATIVE), "Of the cylinder, without the half balls, m."),
@@ -60,6 +73,9 @@ pub(super) static CAPSULE: ShapeKind = ShapeKind {
 pub(super) static HALF_SPACE_KEYS: Spec = Spec {
     name: "half-space",
     about: "Everything below a plane: an endless floor or wall.",
+    example: r#"[shapes.floor]
+kind = "half-space"
+"#,
     groups: &[&[
         key("normal", Ty::Numbers(&[3], ANY), "[0, 0, 1]", "Points out of the solid; any length but zero."),
         key("offset", Ty::Number(ANY), "0", "Distance of the plane from the origin along the normal, m."),

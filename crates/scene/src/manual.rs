@@ -1,0 +1,74 @@
+//! The lists of keys in `docs/scene.md`, made from the tables of keys.
+
+use crate::body::BODY;
+use crate::generators::GENERATORS;
+use crate::region::REGIONS;
+use crate::root::{MATERIAL, ROOT, WORLD};
+use crate::rotation::AXIS_DEGREES;
+use crate::shapes::SHAPES;
+use crate::sizes::SIZES;
+use crate::spec::{Fallback, Spec};
+use crate::terrain::TERRAIN;
+use std::fmt::Write;
+
+/// Every key of scene files in Markdown: type, default, meaning and unit, with examples. The second half of
+/// `docs/scene.md` is this text.
+pub fn keys() -> String {
+    let mut out = String::new();
+    section(&mut out, "## The file", &ROOT, false);
+    section(&mut out, "## `[world]`", &WORLD, false);
+    section(&mut out, "## `[materials.NAME]`", &MATERIAL, false);
+    heading(&mut out, "## `[shapes.NAME]`", "The key `kind` says what it is.");
+    for spec in SHAPES.cases {
+        section(&mut out, &format!("### `kind = \"{}\"`", spec.name), spec, true);
+    }
+    section(&mut out, "### The table `terrain`", &TERRAIN, false);
+    section(&mut out, "## `[[bodies]]`", &BODY, false);
+    section(&mut out, "### A rotation as a table", &AXIS_DEGREES, false);
+    heading(&mut out, "## `[[generators]]`", "The key `kind` says what it makes.");
+    for spec in GENERATORS.cases {
+        section(&mut out, &format!("### `kind = \"{}\"`", spec.name), spec, true);
+    }
+    section(&mut out, "### The table `size`", &SIZES, false);
+    heading(&mut out, "### The table `region`", "Where a fill may put bodies. Without `kind` it is a box.");
+    for spec in REGIONS.cases {
+        section(&mut out, &format!("#### Region `kind = \"{}\"`", spec.name), spec, true);
+    }
+    out
+}
+
+// Writing to a String can't fail, so its results are not looked at below.
+
+fn heading(out: &mut String, title: &str, about: &str) {
+    let gap = if out.is_empty() { "" } else { "\n" };
+    let _ = write!(out, "{gap}{title}\n\n{about}\n");
+}
+
+fn section(out: &mut String, title: &str, spec: &Spec, kind: bool) {
+    heading(out, title, spec.about);
+    let _ = write!(
+        out,
+        "\n```toml\n{}```\n\n| key | type | default | meaning |\n|---|---|---|---|\n",
+        spec.example
+    );
+    if kind {
+        let _ = writeln!(out, "| `kind` | `{}` | | |", spec.name);
+    }
+    for key in spec.keys() {
+        let default = match key.fallback {
+            Fallback::Required => "needed".to_owned(),
+            Fallback::Absent => String::new(),
+            Fallback::Default(text) => format!("`{}`", text.trim_matches('"')),
+        };
+        let _ = writeln!(out, "| `{}` | {} | {default} | {} |", key.name, type_of(key), key.about);
+    }
+}
+
+fn type_of(key: &crate::spec::Key) -> String {
+    use crate::spec::Ty;
+    match key.ty {
+        // The general words would list the keys of the table, which have a section of their own.
+        Ty::Table(_) | Ty::Kinds(_) => "a table".to_owned(),
+        ty => ty.expected(),
+    }
+}
