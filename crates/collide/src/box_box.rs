@@ -64,20 +64,32 @@ pub(crate) fn collide(
 
     let apart = of_a.max(of_b).max(of_edge);
     if apart <= 0.0 {
-        if of_edge > of_face + preference(smaller, of_face) {
-            cache.word = edge as u32 + 1;
-            out.push(boxes.crossing(edge, of_edge).manifold());
-        } else {
-            out.push(boxes.over_face(face, SLACK * smaller, margin, of_face));
+        if of_edge <= of_face + preference(smaller, of_face) {
+            let manifold = boxes.over_face(face, SLACK * smaller, margin, of_face);
+            // The preferred face must have points to show for it.
+            if manifold.deepest() <= of_face + preference(smaller, of_face) || apart == of_face {
+                out.push(manifold);
+                return;
+            }
         }
+        out.push(if apart == of_edge {
+            cache.word = edge as u32 + 1;
+            boxes.crossing(edge, of_edge).manifold()
+        } else {
+            let face = if apart == of_a { face_a } else { face_b };
+            boxes.over_face(face, SLACK * smaller, margin, apart)
+        });
         return;
     }
-    // A distance of up to half a micrometre per metre of size counts as the same.
+    // `apart` is a lower bound of the distance and a point over a face an upper one. Half a micrometre per metre of
+    // size between them counts as none.
     let same = 5e-7 * (a.max_element() + b.max_element() + b_in_a.translation.abs().max_element());
     let other = if face == face_a { face_b } else { face_a };
     for face in [face, other] {
-        if apart - separations[face] <= same && boxes.reaches(face, apart + same) {
-            out.push(boxes.over_face(face, SLACK * smaller, margin, separations[face]));
+        if apart - separations[face] <= preference(smaller, 0.0).max(same)
+            && boxes.reaches(face, apart + same)
+        {
+            out.push(boxes.over_face(face, SLACK * smaller, margin, apart));
             return;
         }
     }
@@ -141,7 +153,8 @@ impl Boxes {
                 }
                 let along = x * t[q] - y * t[p];
                 let of_a = x.abs() * a[q] + y.abs() * a[p];
-                let of_b = (x * r[q][u] - y * r[p][u]).abs() * b[u] + (x * r[q][v] - y * r[p][v]).abs() * b[v];
+                let of_b =
+                    (x * r[q][u] - y * r[p][u]).abs() * b[u] + (x * r[q][v] - y * r[p][v]).abs() * b[v];
                 (along.abs() - (of_a + of_b)) / squared.sqrt()
             }
         }
@@ -195,8 +208,8 @@ impl Boxes {
         self.facing(k).clip(0.0).points().iter().any(|c| c.position.z <= limit)
     }
 
-    /// The manifold of reference face `k`, its sides moved out by `slack`.
-    fn over_face(&self, k: usize, slack: f32, margin: f32, separation: f32) -> Manifold {
+    /// The manifold of reference face `k`, its sides moved out by `slack`; no point is nearer than `least`.
+    fn over_face(&self, k: usize, slack: f32, margin: f32, least: f32) -> Manifold {
         let facing = self.facing(k);
         let polygon = facing.clip(slack);
         let normal = if facing.reference_is_b { -facing.frame[2] } else { facing.frame[2] };
@@ -215,16 +228,18 @@ impl Boxes {
             }
         };
         for corner in polygon.points() {
-            if corner.position.z <= margin {
-                points[count] = point(corner, corner.position.z);
+            let distance = if corner.position.z > least { corner.position.z } else { least };
+            if distance <= margin {
+                points[count] = point(corner, distance);
                 count += 1;
             }
         }
         if count == 0 {
             // Rounding took the whole face: its lowest corner remains.
             let corners = facing.corners();
-            let lowest = corners.iter().fold(&corners[0], |m, c| if c.position.z < m.position.z { c } else { m });
-            points[0] = point(lowest, separation);
+            let lowest =
+                corners.iter().fold(&corners[0], |m, c| if c.position.z < m.position.z { c } else { m });
+            points[0] = point(lowest, least);
             count = 1;
         }
         reduce(normal, &points[..count])

@@ -38,8 +38,16 @@ pub(crate) fn incident(corners: impl ExactSizeIterator<Item = Vec3>) -> Polygon 
 }
 
 /// What is left of `polygon` between the sides of the face with the corners `reference` (counter-clockwise around
-/// `normal`), each side moved out by `slack` metres.
-pub(crate) fn clip(mut polygon: Polygon, reference: &[Vec3], normal: Vec3, slack: f32) -> Polygon {
+/// `normal`), each side moved out by `slack` metres. The sides run along `along`, which is near to the normal or
+/// its opposite: what is left meets the face when it moves that way.
+pub(crate) fn clip(
+    mut polygon: Polygon,
+    reference: &[Vec3],
+    normal: Vec3,
+    along: Vec3,
+    slack: f32,
+) -> Polygon {
+    let shear = along / along.dot(normal);
     let mut from = reference[reference.len() - 1];
     let mut heights: SmallVec<[f32; 24]> = SmallVec::new();
     for (k, &to) in reference.iter().enumerate() {
@@ -47,6 +55,7 @@ pub(crate) fn clip(mut polygon: Polygon, reference: &[Vec3], normal: Vec3, slack
         let length = outward.length();
         if length > 0.0 {
             let outward = outward / length;
+            let outward = outward - outward.dot(shear) * normal;
             heights.clear();
             heights.extend(polygon.iter().map(|c| outward.dot(c.position - from) - slack));
             if heights.iter().any(|&h| h > 0.0) {
@@ -91,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_large_face_is_cut_to_the_reference() {
-        let left = clip(incident(square(5.0, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, 0.0);
+        let left = clip(incident(square(5.0, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0);
         assert_eq!(left.len(), 4);
         for corner in &left {
             assert!((corner.position.abs() - Vec3::ONE).length() < 1e-6);
@@ -101,14 +110,23 @@ mod tests {
 
     #[test]
     fn a_small_face_stays_whole() {
-        let left = clip(incident(square(0.5, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, 0.0);
+        let left = clip(incident(square(0.5, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0);
         assert_eq!(left.iter().map(|c| c.position).collect::<Vec<_>>(), square(0.5, 1.0));
         assert_eq!(left.iter().map(|c| c.after).collect::<Vec<_>>(), [0, 1, 2, 3]);
     }
 
     #[test]
+    fn sides_follow_the_direction() {
+        // Lifted by 1 and moved along x by 0.1, which is where the direction leads.
+        let along = Vec3::new(0.1, 0.0, 1.0).normalize();
+        let moved = square(1.0, 1.0).map(|p| p + 0.1 * Vec3::X);
+        let left = clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, along, 1e-6);
+        assert_eq!(left.iter().map(|c| c.position).collect::<Vec<_>>(), moved);
+    }
+
+    #[test]
     fn a_face_beside_the_reference_is_gone() {
         let moved = square(0.5, 1.0).map(|p| p + 3.0 * Vec3::X);
-        assert!(clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, 0.0).is_empty());
+        assert!(clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0).is_empty());
     }
 }

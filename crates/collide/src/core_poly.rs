@@ -5,7 +5,7 @@ use crate::closest::Closest;
 use crate::feature;
 use crate::gjk::{self, Proximity};
 use crate::poly::Poly;
-use crate::sat::preference;
+use crate::sat::{edge_axis, preference};
 use crate::segments;
 use crate::{ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
@@ -65,97 +65,158 @@ fn sides<'a>(a: &Poly<'a>, f: usize) -> impl Iterator<Item = (Vec3, Vec3)> + use
     })
 }
 
-/// How a segment lies to a polyhedron.
-struct Axis {
-    closest: Closest,
-    /// The face to clip to, where there is one.
-    face: Option<usize>,
-}
-
 /// A segment near a polyhedron, or in it, no further than `limit`.
 pub(crate) fn segment(a: &Poly, core: [Vec3; 2], limit: f32) -> Option<Closest> {
-    axis(a, core, limit, false).map(|axis| axis.closest)
+    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, limit) {
+        Proximity::Beyond(_) => None,
+        Proximity::Apart(closest) => Some(closest),
+        Proximity::Overlap => Some(least_overlap(a, core).least()),
+    }
 }
 
 /// The manifold of a polyhedron and a segment with a skin of `radius`: two points where it lies on a face.
 pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f32) -> Option<Manifold> {
-    let Axis { closest, face } = axis(a, core, margin + radius, true)?;
-    let nearest = closest.with_skins(0.0, radius);
-    let mut manifold = nearest.manifold();
-    let Some(f) = face else { return Some(manifold) };
-
-    // Cut the core by the sides of the face.
-    let direction = core[1] - core[0];
-    let slack = SLACK * a.inner_radius;
-    let (mut low, mut high) = ((0.0, feature::edge_tag(0)), (1.0, feature::edge_tag(1)));
-    for (k, (corner, outward)) in sides(a, f).enumerate() {
-        let height = outward.dot(core[0] - corner) - slack * outward.length();
-        let slope = outward.dot(direction);
-        if slope > 0.0 && -height < slope * high.0 {
-            high = (-height / slope, feature::side_tag(k));
-        } else if slope < 0.0 && height > -slope * low.0 {
-            low = (height / -slope, feature::side_tag(k));
-        } else if slope == 0.0 && height > 0.0 {
-            return Some(manifold);
+    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, margin + radius) {
+        Proximity::Beyond(_) => None,
+        Proximity::Apart(closest) => {
+            let nearest = closest.with_skins(0.0, radius);
+            let (f, cosine) = a.face_towards(closest.normal);
+            let rounding = 4e-7 * (core[0].distance(core[1]) + a.vertices[0].length());
+            let mut manifold = (cosine >= FACE_COSINE)
+                .then(|| over_face(a, f, closest.normal, closest.distance, core, radius, margin))
+                .unwrap_or_default();
+            manifold.normal = closest.normal;
+            if manifold.deepest() > nearest.distance + rounding {
+                manifold.points[manifold.count as usize] = nearest.point();
+                manifold.count += 1;
+            }
+            Some(manifold)
+        }
+        Proximity::Overlap => {
+            let overlap = least_overlap(a, core);
+            let (f, separation) = overlap.face;
+            let ahead = preference(a.inner_radius, separation);
+            let over_face = over_face(a, f, a.normals[f], separation, core, radius, margin);
+            let holds = over_face.deepest() + radius <= separation + ahead;
+            Some(match overlap.edge {
+                Some(edge) if edge.distance > separation + ahead || !holds => {
+                    edge.with_skins(0.0, radius).manifold()
+                }
+                _ if over_face.count > 0 => over_face,
+                _ => overlap.over_face.with_skins(0.0, radius).manifold(),
+            })
         }
     }
-    // Too short a stretch for two points, or upright on the face.
-    if (high.0 - low.0) * direction.length() <= 0.1 * radius {
-        return Some(manifold);
-    }
-    let lean = a.normals[f].dot(closest.normal);
-    manifold.count = 0;
-    for ((t, tag), end) in [(low, 0), (high, 1)] {
-        let p = core[0] + t * direction;
-        let gap = ((a.normals[f].dot(p) - a.offsets[f]) / lean).max(closest.distance);
+}
+
+/// The points of the core over face `f`, seen along `normal`, which is near to that of the face: both ends of what
+/// its sides leave of the core, or the lower one where it is short. No core is nearer than `least`.
+fn over_face(
+    a: &Poly,
+    f: usize,
+    normal: Vec3,
+    least: f32,
+    core: [Vec3; 2],
+    radius: f32,
+    margin: f32,
+) -> Manifold {
+    let mut manifold = Manifold { normal, ..Manifold::default() };
+    let Some(stretch) = clip(a, f, normal, core, SLACK * a.inner_radius) else { return manifold };
+    let lean = a.normals[f].dot(normal);
+    let points = stretch.map(|End { t, before, after }| {
+        let p = core[0].lerp(core[1], t);
+        let gap = ((a.normals[f].dot(p) - a.offsets[f]) / lean).max(least);
         let distance = gap - radius;
-        if distance <= margin {
-            manifold.points[manifold.count as usize] = ContactPoint {
-                position: p - (radius + 0.5 * distance) * closest.normal,
-                distance,
-                feature: feature::corner(feature::faces(false, f, 0), tag, end),
-            };
+        ContactPoint {
+            position: p - (radius + 0.5 * distance) * normal,
+            distance,
+            feature: feature::corner(feature::faces(false, f, 0), before, after),
+        }
+    });
+    // Too short a stretch for two points; upright on the face, the far end is out of reach anyway.
+    let short = points[0].position.distance(points[1].position) <= 0.1 * radius;
+    let lower = usize::from(points[1].distance < points[0].distance);
+    for (k, point) in points.into_iter().enumerate() {
+        if point.distance <= margin && !(short && k != lower) {
+            manifold.points[manifold.count as usize] = point;
             manifold.count += 1;
         }
     }
-    let size = direction.length() + a.vertices[0].length();
-    if manifold.count == 0 || manifold.deepest() > nearest.distance + 4e-7 * size {
-        manifold.points[manifold.count as usize] = nearest.point();
-        manifold.count += 1;
-    }
-    Some(manifold)
+    manifold
 }
 
-fn axis(a: &Poly, core: [Vec3; 2], limit: f32, steady: bool) -> Option<Axis> {
-    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, limit) {
-        Proximity::Beyond(_) => None,
-        Proximity::Apart(closest) => {
-            let (f, cosine) = a.face_towards(closest.normal);
-            Some(Axis { closest, face: (cosine >= FACE_COSINE).then_some(f) })
+/// An end of what is left of a segment: where, and the tags of what cut it.
+#[derive(Clone, Copy)]
+struct End {
+    t: f32,
+    before: u8,
+    after: u8,
+}
+
+/// The part of a segment over face `f` when it moves along `along`; the sides of the face stand back by `slack`.
+fn clip(a: &Poly, f: usize, along: Vec3, core: [Vec3; 2], slack: f32) -> Option<[End; 2]> {
+    let direction = core[1] - core[0];
+    let normal = a.normals[f];
+    let shear = along / normal.dot(along);
+    let mut low = End { t: 0.0, before: feature::edge_tag(0), after: 0 };
+    let mut high = End { t: 1.0, before: feature::edge_tag(1), after: 1 };
+    for (k, (corner, outward)) in sides(a, f).enumerate() {
+        let stand_back = slack * outward.length();
+        let outward = outward - outward.dot(shear) * normal;
+        let height = outward.dot(core[0] - corner) - stand_back;
+        let slope = outward.dot(direction);
+        if slope > 0.0 && -height < slope * high.t {
+            high = End { t: -height / slope, before: feature::side_tag(k), ..high };
+        } else if slope < 0.0 && height > -slope * low.t {
+            low = End { t: height / -slope, before: feature::side_tag(k), ..low };
+        } else if slope == 0.0 && height > 0.0 {
+            return None;
         }
-        Proximity::Overlap => Some(least_overlap(a, core, steady)),
+    }
+    (low.t <= high.t).then_some([low, high])
+}
+
+/// The ways out of a polyhedron for a segment inside.
+struct Overlap {
+    /// The best face, and the separation along its normal.
+    face: (usize, f32),
+    /// The best edge: along the common perpendicular of it and the segment.
+    edge: Option<Closest>,
+    /// The nearest points for the face.
+    over_face: Closest,
+}
+
+impl Overlap {
+    fn least(&self) -> Closest {
+        self.edge.filter(|edge| edge.distance > self.face.1).unwrap_or(self.over_face)
     }
 }
 
 /// The shortest way out: along a face normal, or along the common perpendicular of the segment and an edge whose
 /// two faces look to different sides of it.
-fn least_overlap(a: &Poly, core: [Vec3; 2], steady: bool) -> Axis {
+fn least_overlap(a: &Poly, core: [Vec3; 2]) -> Overlap {
     let direction = core[1] - core[0];
-    let mut best = (0, f32::NEG_INFINITY, core[0]);
+    let mut face = (0, f32::NEG_INFINITY);
     for (f, (n, offset)) in a.normals.iter().zip(a.offsets).enumerate() {
-        let (first, second) = (n.dot(core[0]), n.dot(core[1]));
-        let (least, at) = if second < first { (second, core[1]) } else { (first, core[0]) };
-        if least - offset > best.1 {
-            best = (f, least - offset, at);
+        let separation = n.dot(core[0]).min(n.dot(core[1])) - offset;
+        if separation > face.1 {
+            face = (f, separation);
         }
     }
-    let (f, separation, at) = best;
+    let (f, separation) = face;
     let normal = a.normals[f];
-    let on_a = at - separation * normal;
-    let mut closest = Closest { distance: separation, normal, on_a, on_b: at, feature: feature::pair(f, 0xfe) };
-    let mut face = Some(f);
+    let [low, high] = clip(a, f, normal, core, 0.0).map_or([0.0, 1.0], |ends| ends.map(|e| e.t));
+    let (low, high) = (core[0].lerp(core[1], low), core[0].lerp(core[1], high));
+    let on_b = if normal.dot(high) < normal.dot(low) { high } else { low };
+    let over_face = Closest {
+        distance: separation,
+        normal,
+        on_a: on_b - separation * normal,
+        on_b,
+        feature: feature::pair(f, 0xfe),
+    };
 
-    let ahead = if steady { preference(a.inner_radius, separation) } else { 0.0 };
+    let mut best: Option<Closest> = None;
     for (i, e) in a.edges.iter().enumerate() {
         let left = a.normals[e.faces[0] as usize].dot(direction);
         let right = a.normals[e.faces[1] as usize].dot(direction);
@@ -163,22 +224,11 @@ fn least_overlap(a: &Poly, core: [Vec3; 2], steady: bool) -> Axis {
             continue;
         }
         let edge = e.vertices.map(|v| a.vertices[v as usize]);
-        let along = (edge[1] - edge[0]).as_dvec3();
-        let cross = along.cross(direction.as_dvec3());
-        let squared = cross.length_squared();
-        if squared <= 1e-8 * along.length_squared() * direction.as_dvec3().length_squared() {
-            continue;
-        }
-        let n = cross / squared.sqrt();
-        let n = if n.dot((edge[0] - a.center).as_dvec3()) < 0.0 { -n } else { n };
-        let separation = n.dot((core[0] - edge[0]).as_dvec3()) as f32;
-        let least = if face.is_some() { closest.distance + ahead } else { closest.distance };
-        if separation > least {
+        let Some((normal, distance)) = edge_axis(edge, core, a.center) else { continue };
+        if best.is_none_or(|b| distance > b.distance) {
             let (on_a, on_b) = segments::nearest(edge, core).points();
-            let feature = feature::pair(i, 0xff);
-            closest = Closest { distance: separation, normal: n.as_vec3(), on_a, on_b, feature };
-            face = None;
+            best = Some(Closest { distance, normal, on_a, on_b, feature: feature::pair(i, 0xff) });
         }
     }
-    Axis { closest, face }
+    Overlap { face, edge: best, over_face }
 }

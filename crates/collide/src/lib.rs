@@ -24,15 +24,17 @@ mod round;
 mod sat;
 mod segments;
 mod sphere_box;
+mod surface;
 
 pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
+pub use surface::{convex_height_field, convex_mesh};
 
 use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair. `b_in_a` places B in A's frame, and all of the result is in A's frame.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces. `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite.
@@ -59,8 +61,20 @@ pub fn collide(
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
 ) {
-    if is_finite(b_in_a) {
-        convex::collide(a, b, b_in_a, margin, cache, out);
+    if !is_finite(b_in_a) {
+        return;
+    }
+    match (a, b) {
+        (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
+        (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
+        (Shape::Mesh(_) | Shape::HeightField(_), _) => {
+            let first = out.len();
+            collide(b, a, &b_in_a.inverse(), margin, cache, out);
+            for manifold in &mut out[first..] {
+                manifold.swap(b_in_a);
+            }
+        }
+        _ => convex::collide(a, b, b_in_a, margin, cache, out),
     }
 }
 

@@ -38,11 +38,29 @@ impl<'a> Poly<'a> {
 
     /// The vertex furthest along `direction`; the first among equals.
     pub(crate) fn support(&self, direction: Vec3) -> Vec3 {
-        let mut best = (Vec3::ZERO, f32::NEG_INFINITY);
-        for &v in self.vertices {
+        self.vertices[self.support_index(direction)]
+    }
+
+    fn support_index(&self, direction: Vec3) -> usize {
+        let mut best = (0, f32::NEG_INFINITY);
+        for (i, v) in self.vertices.iter().enumerate() {
             let along = v.dot(direction);
             if along > best.1 {
-                best = (v, along);
+                best = (i, along);
+            }
+        }
+        best.0
+    }
+
+    /// Of the faces around the vertex furthest along `direction`, the one that looks along it the most. (The face
+    /// of a hull that looks along a direction the most need not hold that vertex.)
+    pub(crate) fn face_at_support(&self, direction: Vec3) -> usize {
+        let corner = self.support_index(direction) as u32;
+        let mut best = (0, f32::NEG_INFINITY);
+        for (f, n) in self.normals.iter().enumerate() {
+            let cosine = n.dot(direction);
+            if cosine > best.1 && self.face(f).contains(&corner) {
+                best = (f, cosine);
             }
         }
         best.0
@@ -135,7 +153,8 @@ mod tests {
             let corners: Vec<Vec3> = poly.face(f).iter().map(|&v| poly.vertices[v as usize]).collect();
             for k in 0..4 {
                 assert_eq!(poly.normals[f].dot(corners[k]), poly.offsets[f]);
-                let turn = (corners[(k + 1) % 4] - corners[k]).cross(corners[(k + 2) % 4] - corners[(k + 1) % 4]);
+                let turn =
+                    (corners[(k + 1) % 4] - corners[k]).cross(corners[(k + 2) % 4] - corners[(k + 1) % 4]);
                 assert!((turn.normalize() - poly.normals[f]).length() < 1e-6);
             }
         }

@@ -38,10 +38,16 @@ pub(crate) fn collide(
             out.push(apart(a, b, b_in_a, margin, &closest));
         }
         Proximity::Overlap => {
-            let axis = sat::least_overlap(a, b, b_in_a, true);
-            cache.word = direction::pack(axis.normal);
-            let slack = SLACK * a.inner_radius.min(b.inner_radius);
-            out.push(overlap(a, b, b_in_a, margin, slack, &axis));
+            let choice = sat::least_overlap(a, b, b_in_a);
+            let radius = a.inner_radius.min(b.inner_radius);
+            let steady = choice.steady.separation;
+            // The preferred face must have points to show for it.
+            let manifold = overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
+                .filter(|m| m.deepest() <= steady + sat::preference(radius, steady))
+                .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
+                .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)));
+            cache.word = direction::pack(manifold.normal);
+            out.push(manifold);
         }
     }
 }
@@ -51,9 +57,13 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     if let Proximity::Apart(closest) = gjk::proximity(a.vertices, b.vertices, b_in_a, f32::INFINITY) {
         return closest;
     }
-    let axis = sat::least_overlap(a, b, b_in_a, false);
-    let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis);
-    let at = manifold.points().iter().fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
+    let axis = sat::least_overlap(a, b, b_in_a).least;
+    let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis)
+        .unwrap_or_else(|| single(&axis, corner(a, b, b_in_a, &axis)));
+    let at = manifold
+        .points()
+        .iter()
+        .fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
     let half = 0.5 * axis.separation * axis.normal;
     Closest {
         distance: axis.separation,
@@ -83,7 +93,8 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
         return closest.manifold();
     }
     // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
-    let kind = if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
+    let kind =
+        if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
     let axis = Axis { normal, separation: closest.distance, kind };
     let slack = SLACK * a.inner_radius.min(b.inner_radius);
     let mut points = over_face(a, b, b_in_a, margin, slack, &axis);
@@ -94,17 +105,17 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
     reduce(normal, &points)
 }
 
-/// The manifold of polyhedra that overlap, along the axis of least overlap.
-fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Manifold {
-    let mut points = match axis.kind {
-        Kind::Edges(i, j) => SmallVec::from_slice(&[crossing(a, b, b_in_a, axis, i, j)]),
-        Kind::FaceOfA(_) | Kind::FaceOfB(_) => over_face(a, b, b_in_a, margin, slack, axis),
-    };
-    if points.is_empty() {
-        // Rounding took the whole face: its deepest corner remains.
-        points.push(corner(a, b, b_in_a, axis));
+/// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
+fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
+    if let Kind::Edges(i, j) = axis.kind {
+        return Some(single(axis, crossing(a, b, b_in_a, axis, i, j)));
     }
-    reduce(axis.normal, &points)
+    let points = over_face(a, b, b_in_a, margin, slack, axis);
+    (!points.is_empty()).then(|| reduce(axis.normal, &points))
+}
+
+fn single(axis: &Axis, point: ContactPoint) -> Manifold {
+    reduce(axis.normal, &[point])
 }
 
 /// A length below which distances of these polyhedra are equal, metres.
@@ -125,17 +136,18 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axi
     let (reference, incident, outward, offset, names) = match axis.kind {
         Kind::FaceOfB(f) => {
             let outward = b_in_a.vector(b.normals[f]);
-            let g = a.face_towards(-outward).0;
+            let g = a.face_at_support(-outward);
             let offset = b.offsets[f] + outward.dot(b_in_a.translation);
             (loop_of(b, f, &from_b), loop_of(a, g, &in_a), outward, offset, feature::faces(true, f, g))
         }
         Kind::FaceOfA(f) | Kind::Edges(f, _) => {
             let outward = a.normals[f];
-            let g = b.face_towards(-b_in_a.inverse_vector(outward)).0;
+            let g = b.face_at_support(-b_in_a.inverse_vector(outward));
             (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
         }
     };
-    let polygon = clip::clip(clip::incident(incident.iter().copied()), &reference, outward, slack);
+    let polygon =
+        clip::clip(clip::incident(incident.iter().copied()), &reference, outward, axis.normal, slack);
 
     // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.
     let lean = outward.dot(axis.normal);

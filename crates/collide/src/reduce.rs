@@ -28,7 +28,8 @@ pub(crate) fn reduce(normal: Vec3, points: &[ContactPoint]) -> Manifold {
     if points[deepest].distance < shown - tie {
         let mut nearest = 0;
         for k in 1..4 {
-            if at(chosen[k]).distance_squared(at(deepest)) < at(chosen[nearest]).distance_squared(at(deepest)) {
+            if at(chosen[k]).distance_squared(at(deepest)) < at(chosen[nearest]).distance_squared(at(deepest))
+            {
                 nearest = k;
             }
         }
@@ -118,8 +119,9 @@ mod tests {
 
     #[test]
     fn points_on_a_line_or_on_one_spot_are_no_trouble() {
-        let line: Vec<ContactPoint> =
-            (0..7).map(|i| ContactPoint { position: Vec3::X * i as f32, distance: 0.0, feature: i }).collect();
+        let line: Vec<ContactPoint> = (0..7)
+            .map(|i| ContactPoint { position: Vec3::X * i as f32, distance: 0.0, feature: i })
+            .collect();
         let m = reduce(Vec3::Z, &line);
         assert!((2..=4).contains(&m.count));
         let spot = [ContactPoint::default(); 6];

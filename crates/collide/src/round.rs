@@ -29,8 +29,9 @@ impl Capsule {
 /// Cores whose distance is below this share of their size touch: their difference has no direction.
 const TOUCH: f32 = 1e-6;
 
-/// Cores that are parallel to this sine (3 degrees) touch along a line, with a point at each end of it.
-const PARALLEL: f32 = 0.05;
+/// Cores that stay side by side to this share of the smaller radius, over the stretch that they have in common,
+/// touch along a line, with a point at each end of it.
+const ASIDE: f32 = 0.1;
 
 /// Two spheres.
 pub(crate) fn spheres(a: f32, b: f32, b_in_a: &Isometry) -> Closest {
@@ -74,15 +75,16 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
     }
     let mut manifold = nearest.manifold();
     let across = b_in_a.rotation.z_axis;
-    let sine = Vec3::Z.cross(across).length();
-    // Where the normal leans along the cores they meet end to end.
-    if sine > PARALLEL || nearest.normal.z.abs() > 0.5 {
+    // Clearly not parallel, or the normal leans along the cores, which then meet end to end.
+    if across.z.abs() < 0.99 || nearest.normal.z.abs() > 0.05 {
         return Some(manifold);
     }
     // The stretch of A's axis that both cores cover; B's point at height z of A is on B's line.
     let [p, q] = b.placed_core(b_in_a);
     let (low, high) = (p.z.min(q.z).max(-a.half_length), p.z.max(q.z).min(a.half_length));
-    if high - low <= 0.1 * a.radius.min(b.radius) {
+    let radius = a.radius.min(b.radius);
+    let aside = (high - low) * across.cross(nearest.normal).cross(nearest.normal).cross(Vec3::Z).length();
+    if high - low <= 0.1 * radius || aside > ASIDE * radius {
         return Some(manifold);
     }
     manifold.count = 0;
@@ -94,14 +96,15 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
         if distance <= margin {
             let upper = z == high;
             manifold.points[manifold.count as usize] = ContactPoint {
-                position: on_a + (a.radius + 0.5 * distance) * nearest.normal,
+                position: 0.5 * (on_a + on_b + (a.radius - b.radius) * nearest.normal),
                 distance,
                 feature: feature::pair(4 + 2 * usize::from(upper) + usize::from(own_end), 1),
             };
             manifold.count += 1;
         }
     }
-    if manifold.count == 0 || manifold.deepest() > nearest.distance + TOUCH * (a.half_length + b.half_length) {
+    if manifold.count == 0 || manifold.deepest() > nearest.distance + TOUCH * (a.half_length + b.half_length)
+    {
         manifold.points[manifold.count as usize] = nearest.point();
         manifold.count += 1;
     }
@@ -164,7 +167,8 @@ mod tests {
     #[test]
     fn parallel_capsules_touch_at_both_ends_of_their_common_stretch() {
         let capsule = Capsule { half_length: 1.0, radius: 0.25 };
-        let m = capsules_manifold(capsule, capsule, &at(Vec3::new(0.5, 0.0, 0.5), Quat::IDENTITY), 0.1).unwrap();
+        let m =
+            capsules_manifold(capsule, capsule, &at(Vec3::new(0.5, 0.0, 0.5), Quat::IDENTITY), 0.1).unwrap();
         assert_eq!((m.count, m.normal), (2, Vec3::X));
         assert_eq!(m.points[0].position, Vec3::new(0.25, 0.0, -0.5));
         assert_eq!(m.points[1].position, Vec3::new(0.25, 0.0, 1.0));

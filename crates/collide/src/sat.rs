@@ -41,33 +41,40 @@ pub(crate) fn preference(smaller_inner_radius: f32, separation: f32) -> f32 {
 /// Lanes of the inner loops; the compiler turns them into whatever registers the target has.
 const LANES: usize = 8;
 
-/// The axis of least overlap. `steady` takes faces before edges, and faces of A before those of B, within
-/// [`preference`].
-pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, steady: bool) -> Axis {
-    let placed: Points = b.vertices.iter().map(|&v| b_in_a.point(v)).collect();
-    let radius = a.inner_radius.min(b.inner_radius);
-    let better = |new: &Axis, old: &Axis| {
-        let ahead = if steady { preference(radius, old.separation) } else { 0.0 };
-        new.separation > old.separation + ahead
-    };
+/// The axes to take the normal from.
+pub(crate) struct Choice {
+    /// Faces before edges and faces of A before those of B, within [`preference`].
+    pub(crate) steady: Axis,
+    /// That of least overlap.
+    pub(crate) least: Axis,
+}
 
-    let face_of_a = best_face(a.normals.iter().copied(), a.offsets.iter().copied(), &placed);
-    let mut best = Axis { kind: Kind::FaceOfA(face_of_a.0), normal: face_of_a.2, separation: face_of_a.1 };
+/// The axis of least overlap of two polyhedra, and the one to prefer.
+pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Choice {
+    let placed: Points = b.vertices.iter().map(|&v| b_in_a.point(v)).collect();
+
+    let (f, separation, normal) = best_face(a.normals.iter().copied(), a.offsets.iter().copied(), &placed);
+    let of_a = Axis { normal, separation, kind: Kind::FaceOfA(f) };
 
     let normals = b.normals.iter().map(|&n| b_in_a.vector(n));
-    let offsets = b.normals.iter().zip(b.offsets).map(|(&n, &o)| o + b_in_a.vector(n).dot(b_in_a.translation));
-    let face_of_b = best_face(normals, offsets, a.vertices);
-    let face = Axis { kind: Kind::FaceOfB(face_of_b.0), normal: -face_of_b.2, separation: face_of_b.1 };
-    let least = best.separation.max(face.separation);
-    if better(&face, &best) {
-        best = face;
+    let offsets =
+        b.normals.iter().zip(b.offsets).map(|(&n, &o)| o + b_in_a.vector(n).dot(b_in_a.translation));
+    let (f, separation, normal) = best_face(normals, offsets, a.vertices);
+    let of_b = Axis { normal: -normal, separation, kind: Kind::FaceOfB(f) };
+
+    let edges = best_edges(a, b, b_in_a, &placed, of_a.separation.max(of_b.separation));
+    let mut choice = Choice { steady: of_a, least: of_a };
+    let radius = a.inner_radius.min(b.inner_radius);
+    for axis in std::iter::once(of_b).chain(edges) {
+        let steady = choice.steady.separation;
+        if axis.separation > steady + preference(radius, steady) {
+            choice.steady = axis;
+        }
+        if axis.separation > choice.least.separation {
+            choice.least = axis;
+        }
     }
-    if let Some(edges) = best_edges(a, b, b_in_a, &placed, least)
-        && better(&edges, &best)
-    {
-        best = edges;
-    }
-    best
+    choice
 }
 
 /// Points that stay on the stack for hulls of ordinary size.
@@ -131,14 +138,14 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
     let reach = least.abs();
     let box_of_a = Aabb::from_points(a.vertices.iter().copied()).grown(reach);
     let box_of_b = Aabb::from_points(placed.iter().copied()).grown(reach);
-    let ends = |vertices: &[Vec3], e: [u32; 2]| (vertices[e[0] as usize], vertices[e[1] as usize]);
-    let near = |(p, q): (Vec3, Vec3), other: &Aabb| Aabb::new(p.min(q), p.max(q)).overlaps(other);
+    let ends = |vertices: &[Vec3], e: [u32; 2]| e.map(|v| vertices[v as usize]);
+    let near = |[p, q]: [Vec3; 2], other: &Aabb| Aabb::new(p.min(q), p.max(q)).overlaps(other);
 
     let mut kept: SmallVec<[usize; 64]> = SmallVec::new();
     let (mut left, mut right, mut along) = (Points::new(), Points::new(), Points::new());
     for (j, e) in b.edges.iter().enumerate() {
-        let (p, q) = ends(placed, e.vertices);
-        if near((p, q), &box_of_a) {
+        let [p, q] = ends(placed, e.vertices);
+        if near([p, q], &box_of_a) {
             kept.push(j);
             left.push(b_in_a.vector(b.normals[e.faces[0] as usize]));
             right.push(b_in_a.vector(b.normals[e.faces[1] as usize]));
@@ -152,8 +159,8 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
 
     let mut best: Option<Axis> = None;
     for (i, e) in a.edges.iter().enumerate() {
-        let (p, q) = ends(a.vertices, e.vertices);
-        if !near((p, q), &box_of_b) {
+        let [p, q] = ends(a.vertices, e.vertices);
+        if !near([p, q], &box_of_b) {
             continue;
         }
         let (l, r, d) = (a.normals[e.faces[0] as usize], a.normals[e.faces[1] as usize], q - p);
@@ -174,8 +181,8 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
             }
             for k in (0..LANES).filter(|&k| crosses[k]) {
                 let Some(&j) = kept.get(block * LANES + k) else { break };
-                let (s, t) = ends(placed, b.edges[j].vertices);
-                let Some((normal, separation)) = edge_axis((p, q), (s, t), a.center) else { continue };
+                let second = ends(placed, b.edges[j].vertices);
+                let Some((normal, separation)) = edge_axis([p, q], second, a.center) else { continue };
                 if best.is_none_or(|b| separation > b.separation) {
                     best = Some(Axis { normal, separation, kind: Kind::Edges(i, j) });
                 }
@@ -187,13 +194,22 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
 
 /// The common perpendicular of two edges that points away from `inside` of the first, and the way along it from
 /// the first to the second. In double precision: the cross product of nearly parallel edges has few good digits.
-fn edge_axis(first: (Vec3, Vec3), second: (Vec3, Vec3), inside: Vec3) -> Option<(Vec3, f32)> {
-    let (p, q) = (first.0.as_dvec3(), first.1.as_dvec3());
-    let (s, t) = (second.0.as_dvec3(), second.1.as_dvec3());
+///
+/// Nothing for edges that do not cross, seen along it: the nearest points of the polyhedra are then elsewhere, and
+/// a normal of this pair would have no point to go with it.
+pub(crate) fn edge_axis(first: [Vec3; 2], second: [Vec3; 2], inside: Vec3) -> Option<(Vec3, f32)> {
+    let [p, q] = first.map(|v| v.as_dvec3());
+    let [s, t] = second.map(|v| v.as_dvec3());
     let cross = (q - p).cross(t - s);
     let squared = cross.length_squared();
     // Edges that are parallel to 0.1 mrad: a face axis is as good.
     if squared <= 1e-8 * (q - p).length_squared() * (t - s).length_squared() {
+        return None;
+    }
+    let along_first = (t - s).cross(p - s).dot(cross) / squared;
+    let along_second = (q - p).cross(p - s).dot(cross) / squared;
+    let within = 0.0..=1.0;
+    if !within.contains(&along_first) || !within.contains(&along_second) {
         return None;
     }
     let normal = cross / squared.sqrt();

@@ -1,0 +1,98 @@
+//! Prints how long the pair functions take, in nanoseconds per pair. Build it with `--release`.
+
+use rockfall_collide::{Cache, Manifold, collide};
+use rockfall_math::hash::mix;
+use rockfall_math::{Isometry, Mat3, Quat, Vec3, rotation};
+use rockfall_shape::{Hull, Shape};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Pairs in a set; few enough to stay in the cache, many enough that no branch is learnt by heart.
+const PAIRS: usize = 4096;
+const ROUNDS: usize = 50;
+
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        low + (high - low) * (mix(self.0) >> 40) as f32 / (1_u32 << 24) as f32
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0))
+    }
+
+    fn rotation(&mut self, tilt: f32) -> Quat {
+        rotation::from_rotation_vector(tilt * self.vector())
+    }
+
+    fn hull(&mut self, corners: usize) -> Shape {
+        let points: Vec<Vec3> = (0..corners).map(|_| 0.7 * self.vector().normalize()).collect();
+        Shape::Hull(Arc::new(Hull::from_points(&points).expect("random points span a volume")))
+    }
+}
+
+fn measure(name: &str, pairs: &[(Shape, Shape, Isometry)], margin: f32) {
+    for warm in [false, true] {
+        let mut caches = vec![Cache::default(); pairs.len()];
+        let mut out: Vec<Manifold> = Vec::with_capacity(pairs.len());
+        let mut least = f64::INFINITY;
+        for _ in 0..ROUNDS {
+            if !warm {
+                caches.fill(Cache::default());
+            }
+            out.clear();
+            let start = Instant::now();
+            for ((a, b, pose), cache) in pairs.iter().zip(&mut caches) {
+                collide(a, b, pose, margin, cache, &mut out);
+            }
+            least = least.min(start.elapsed().as_secs_f64());
+        }
+        let points: u32 = out.iter().map(|m| m.count).sum();
+        println!(
+            "{name:28} {} {:7.0} ns   {:5.1} % touch, {:.1} points each",
+            if warm { "warm " } else { "fresh" },
+            least / pairs.len() as f64 * 1e9,
+            100.0 * out.len() as f64 / pairs.len() as f64,
+            f64::from(points) / out.len().max(1) as f64,
+        );
+    }
+}
+
+fn main() {
+    let mut random = Random(1);
+    let cube = Shape::Box { half: Vec3::splat(0.5) };
+    let ball = Shape::Sphere { radius: 0.5 };
+    let capsule = Shape::Capsule { half_length: 0.5, radius: 0.3 };
+    let (small, large) = (random.hull(16), random.hull(32));
+    let mut set = |a: &Shape, b: &Shape, tilt: f32, at: &dyn Fn(&mut Random) -> Vec3| {
+        (0..PAIRS)
+            .map(|_| {
+                let translation = at(&mut random);
+                let pose = Isometry { rotation: Mat3::from_quat(random.rotation(tilt)), translation };
+                (a.clone(), b.clone(), pose)
+            })
+            .collect::<Vec<_>>()
+    };
+    let apart = |r: &mut Random| 1.6 * r.vector().normalize() + 0.1 * r.vector();
+    let stacked =
+        |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(0.995, 1.0));
+    let hovering =
+        |r: &mut Random| Vec3::new(r.between(-0.4, 0.4), r.between(-0.4, 0.4), r.between(1.002, 1.01));
+    let pile = |r: &mut Random| 1.12 * r.vector().normalize();
+    measure("box-box apart", &set(&cube, &cube, 1.0, &apart), 0.02);
+    measure("box-box stacked", &set(&cube, &cube, 1e-3, &stacked), 0.02);
+    measure("box-box hovering", &set(&cube, &cube, 1e-3, &hovering), 0.02);
+    measure("box-box any contact", &set(&cube, &cube, 1.0, &pile), 0.02);
+    measure("sphere-sphere", &set(&ball, &ball, 1.0, &|r: &mut Random| r.vector()), 0.02);
+    measure("sphere-box", &set(&cube, &ball, 1.0, &|r: &mut Random| 1.2 * r.vector()), 0.02);
+    measure("capsule-capsule", &set(&capsule, &capsule, 1.0, &|r: &mut Random| 0.8 * r.vector()), 0.02);
+    measure("capsule-box", &set(&cube, &capsule, 1.0, &|r: &mut Random| 1.1 * r.vector()), 0.02);
+    measure("hull16-hull16 apart", &set(&small, &small, 3.0, &apart), 0.02);
+    measure("hull16-hull16 contact", &set(&small, &small, 3.0, &pile), 0.02);
+    let resting = |r: &mut Random| 1.27 * r.vector().normalize();
+    measure("hull16-hull16 shallow", &set(&small, &small, 3.0, &resting), 0.02);
+    measure("hull32-hull32 contact", &set(&large, &large, 3.0, &pile), 0.02);
+    measure("hull16-box contact", &set(&small, &cube, 3.0, &pile), 0.02);
+}

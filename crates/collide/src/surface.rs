@@ -1,0 +1,229 @@
+//! Contact of a convex shape with a surface of triangles: a mesh or a height field.
+//!
+//! What flows in: a convex shape A, a surface, where the surface is in A's frame. What flows out: manifolds, as many as
+//! the surface has directions under A.
+//!
+//! A body that slides over a floor of triangles must not feel their seams. Each triangle is therefore collided with
+//! only those directions that the whole surface could push in: its own normal; between the normals of its two
+//! triangles on an edge that bends away; and in the cone of all triangles around a corner. A seam in a flat floor
+//! and the bottom of a valley have no such directions, so they never push. (The same restriction is known as Voronoi
+//! regions, or as active edges.)
+//!
+//! 1. `gather` takes the triangles near A, in A's frame.
+//! 2. `round` (spheres, capsules) or `solid` (boxes, hulls) finds each triangle's contacts.
+//! 3. `merge` drops what another triangle explains better and makes manifolds of the rest.
+//!
+//! Triangles are solid on the side opposite to their normals. A body that sank in is pushed out along the normal as
+//! long as its centre is less than its inner radius behind the triangle, or at any depth in a height field.
+
+mod facet;
+mod height_field;
+mod merge;
+mod mesh;
+mod round;
+mod solid;
+
+use crate::poly::{BoxPoly, Poly};
+use crate::{Manifold, surface};
+use facet::Facet;
+use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
+use rockfall_shape::{EdgeKind, HeightField, Mesh, Shape};
+
+/// Contact of the convex shape `a` with a mesh, in A's frame, appended to `out`. Points further apart than `margin` are
+/// left out. Normals point into the mesh. Nothing is appended where `a` is not convex or is a half-space.
+pub fn convex_mesh(a: &Shape, mesh: &Mesh, mesh_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
+    collide(a, mesh, mesh_in_a, margin, out);
+}
+
+/// Contact of the convex shape `a` with a height field; see [`convex_mesh`]. The field is solid all the way down.
+pub fn convex_height_field(
+    a: &Shape,
+    field: &HeightField,
+    field_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) {
+    collide(a, field, field_in_a, margin, out);
+}
+
+/// Triangles with neighbours, in their own frame. A triangle is named by an index.
+trait Surface {
+    /// Calls `f` with each triangle that may touch `area`, in any order.
+    fn near(&self, area: &Aabb, f: impl FnMut(u64));
+    /// Corners, counter-clockwise from outside.
+    fn corners(&self, triangle: u64) -> [Vec3; 3];
+    /// Names of the corners; triangles that share a corner share its name.
+    fn ids(&self, triangle: u64) -> [u64; 3];
+    /// Outward unit normal.
+    fn normal(&self, triangle: u64) -> Vec3;
+    /// How the surface bends at edge i, which runs from corner i to corner (i + 1) % 3.
+    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind;
+    /// The triangle on the other side of an edge.
+    fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64>;
+    /// The triangle straight above or below a point, where everything below the surface is solid.
+    fn cover(&self, point: Vec3) -> Option<u64>;
+    /// Whether everything below the surface is solid, so that no body can be on the wrong side of it.
+    const BOTTOMLESS: bool;
+}
+
+/// A surface with its place in A's frame.
+struct Placed<'a, S> {
+    surface: &'a S,
+    rotation: Mat3,
+    /// Origin of A in the surface's frame. Corners are taken relative to it before they are rotated: far from
+    /// the origin of a large terrain the differences are exact, the sums would not be.
+    origin: Vec3,
+}
+
+impl<S: Surface> Placed<'_, S> {
+    fn point(&self, p: Vec3) -> Vec3 {
+        self.rotation * (p - self.origin)
+    }
+
+    fn back(&self, p: Vec3) -> Vec3 {
+        self.rotation.transpose() * p + self.origin
+    }
+
+    fn gather(&self, bounds: &Aabb, margin: f32) -> Vec<Facet> {
+        let back = self.rotation.transpose();
+        let reach = Mat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs());
+        let half = reach * bounds.half_extents() * (1.0 + 1e-5) + margin;
+        let centre = self.back(bounds.center());
+        let slack = centre.abs() * f32::EPSILON * 2.0;
+        let area = Aabb::new(centre - half - slack, centre + half + slack);
+        let mut triangles = Vec::new();
+        self.surface.near(&area, |triangle| triangles.push(triangle));
+        triangles.sort_unstable();
+        triangles.into_iter().map(|triangle| Facet::new(self, triangle, bounds)).collect()
+    }
+}
+
+/// What each triangle is collided with.
+struct Probe<'a> {
+    /// Corners of A's core.
+    points: &'a [Vec3],
+    margin: f32,
+    /// Largest distance of a point of A from its origin: the unit of rounding errors, metres.
+    size: f32,
+    center: Vec3,
+    /// Distance of A's core, which touches are made for, from its surface, metres.
+    radius: f32,
+    /// How far behind a triangle the centre may be, metres.
+    limit: f32,
+}
+
+impl Probe<'_> {
+    /// Whether A is on the front side of the triangle, or only a little behind it.
+    fn sees(&self, facet: &Facet) -> bool {
+        facet.height(self.center) >= -self.limit
+    }
+}
+
+/// A point of contact between A and one triangle.
+#[derive(Clone, Copy)]
+struct Touch {
+    /// Unit vector out of the surface.
+    out: Vec3,
+    /// The point on A's surface.
+    on_a: Vec3,
+    /// Signed distance along `out`.
+    distance: f32,
+    feature: u32,
+    /// Place of the triangle in the list of facets.
+    facet: usize,
+    /// Whether a point behind the triangle is pushed along the triangle's own normal, although it may have come in
+    /// through another triangle.
+    doubtful: bool,
+}
+
+fn collide<S: Surface>(
+    a: &Shape,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) {
+    match a {
+        Shape::Sphere { radius } => ball(&[Vec3::ZERO], *radius, surface, surface_in_a, margin, out),
+        Shape::Capsule { half_length, radius } => {
+            let end = Vec3::Z * *half_length;
+            ball(&[-end, end], *radius, surface, surface_in_a, margin, out);
+        }
+        Shape::Box { half } => poly(&BoxPoly::new(*half).poly(), surface, surface_in_a, margin, out),
+        Shape::Hull(hull) => poly(&Poly::from(&**hull), surface, surface_in_a, margin, out),
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {}
+    }
+}
+
+fn place<'a, S: Surface>(surface: &'a S, surface_in_a: &Isometry) -> Placed<'a, S> {
+    Placed {
+        surface,
+        rotation: surface_in_a.rotation,
+        origin: surface_in_a.inverse_vector(-surface_in_a.translation),
+    }
+}
+
+/// Spheres (one core point) and capsules (two).
+fn ball<S: Surface>(
+    core: &[Vec3],
+    radius: f32,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) {
+    let placed = place(surface, surface_in_a);
+    let bounds = Aabb::from_points(core.iter().copied()).grown(radius);
+    let facets = placed.gather(&bounds, margin);
+    let size = core[0].length() + radius;
+    let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
+    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit };
+    let mut touches = Vec::new();
+    for i in 0..facets.len() {
+        round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
+    }
+    surface::sunk(&placed, &facets, core, radius, &probe, &mut touches);
+    merge::manifolds(&facets, &probe, touches, out);
+}
+
+/// Boxes and hulls.
+fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
+    let placed = place(surface, surface_in_a);
+    let bounds = Aabb::from_points(a.vertices.iter().copied());
+    let facets = placed.gather(&bounds, margin);
+    let size = bounds.min.abs().max(bounds.max.abs()).length();
+    let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
+    let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
+    let mut touches = Vec::new();
+    for i in 0..facets.len() {
+        solid::touch(&placed, &facets, i, a, &probe, &mut touches);
+    }
+    surface::sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
+    merge::manifolds(&facets, &probe, touches, out);
+}
+
+/// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight
+/// above pushes them out.
+fn sunk<S: Surface>(
+    placed: &Placed<S>,
+    facets: &[Facet],
+    points: &[Vec3],
+    radius: f32,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    if !S::BOTTOMLESS {
+        return;
+    }
+    for (k, &p) in points.iter().enumerate() {
+        let Some(triangle) = placed.surface.cover(placed.back(p)) else {
+            continue;
+        };
+        let Ok(i) = facets.binary_search_by_key(&triangle, |facet| facet.triangle) else {
+            continue;
+        };
+        if facets[i].height(p) < -probe.margin {
+            touches.push(facets[i].face_touch(i, p, radius, k));
+        }
+    }
+}

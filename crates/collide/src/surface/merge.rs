@@ -1,0 +1,102 @@
+//! From the contacts of single triangles to manifolds.
+
+use super::facet::Facet;
+use super::{Probe, Touch};
+use crate::gjk::{Proximity, proximity};
+use crate::reduce::reduce;
+use crate::{ContactPoint, Manifold};
+use rockfall_math::{Isometry, Vec3};
+
+/// Cosine of 2°: contacts whose normals differ less share a manifold.
+const SAME: f32 = 0.999_39;
+
+/// Share of A's size from which on a depth needs an explanation.
+const DEEP: f32 = 0.01;
+
+/// Appends the manifolds that the contacts make, deepest first.
+pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, out: &mut Vec<Manifold>) {
+    let is_behind = |t: &Touch| facets[t.facet].height(probe.center) < 0.0;
+    // Whoever is in front of the surface is not touched from behind.
+    let front =
+        touches.iter().any(is_behind) && nearest(facets, probe.center, probe).height(probe.center) > 0.0;
+    let mut kept: Vec<Touch> = touches
+        .iter()
+        .filter(|t| {
+            !(front && is_behind(t) || explained(facets, probe, t) || opposed(facets, probe, &touches, t))
+        })
+        .copied()
+        .collect();
+    // Deepest first, so that a group takes its normal from its deepest point.
+    kept.sort_by(|a, b| {
+        a.distance
+            .total_cmp(&b.distance)
+            .then(facets[a.facet].triangle.cmp(&facets[b.facet].triangle))
+            .then(a.feature.cmp(&b.feature))
+    });
+    let mut taken = vec![false; kept.len()];
+    let mut points: Vec<ContactPoint> = Vec::new();
+    let near = (2e-5 * probe.size) * (2e-5 * probe.size);
+    for first in 0..kept.len() {
+        if taken[first] {
+            continue;
+        }
+        let normal = kept[first].out;
+        points.clear();
+        for (touch, taken) in kept.iter().zip(&mut taken).skip(first) {
+            if *taken || touch.out.dot(normal) < SAME {
+                continue;
+            }
+            *taken = true;
+            let position = touch.on_a - 0.5 * touch.distance * touch.out;
+            // Two triangles report a point over their common edge: one is enough.
+            if points.iter().all(|p| p.position.distance_squared(position) > near) {
+                points.push(ContactPoint { position, distance: touch.distance, feature: touch.feature });
+            }
+        }
+        out.push(reduce(-normal, &points));
+    }
+}
+
+/// Whether a point that is deep behind its triangle is much nearer to another, which then is where it came in, or is
+/// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
+/// reaches over a ridge does not hang from its far side. A thin wall that was pierced still holds.
+fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
+    if !touch.doubtful || -touch.distance <= DEEP * probe.size {
+        return false;
+    }
+    let core = touch.on_a + probe.radius * touch.out;
+    let depth = -(touch.distance + probe.radius);
+    let sees = |facet: &Facet| facet.height(probe.center) > 0.0;
+    let nearest = nearest(facets, core, probe);
+    let outside = nearest.height(core) > 0.0;
+    outside && (sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
+        || facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
+}
+
+/// Whether A's core overlaps the triangle.
+fn crosses(core: &[Vec3], facet: &Facet) -> bool {
+    matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
+}
+
+/// Whether A's centre is behind the triangle while another one, which it is less behind, pushes it the other way: the
+/// back of a thin wall does not pull a body through.
+fn opposed(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
+    let height = |touch: &Touch| facets[touch.facet].height(probe.center);
+    height(touch) < 0.0
+        && touches.iter().any(|other| height(other) > height(touch) && other.out.dot(touch.out) < 0.0)
+}
+
+/// The triangle nearest to a point; where several meet in the nearest place, the one that faces it most, which
+/// tells whether the point is in front of the surface.
+fn nearest<'a>(facets: &'a [Facet], p: Vec3, probe: &Probe) -> &'a Facet {
+    let tie = 1e-5 * probe.size;
+    let mut best = (f32::INFINITY, &facets[0]);
+    for facet in facets {
+        let distance = facet.distance(p);
+        let faces = facet.height(p).abs() > best.1.height(p).abs();
+        if distance < best.0 - tie || (distance < best.0 + tie && faces) {
+            best = (distance.min(best.0), facet);
+        }
+    }
+    best.1
+}

@@ -1,0 +1,38 @@
+//! A mesh as a surface.
+
+use super::Surface;
+use rockfall_math::{Aabb, Vec3};
+use rockfall_shape::{EdgeKind, Mesh};
+
+impl Surface for Mesh {
+    const BOTTOMLESS: bool = false;
+
+    fn near(&self, area: &Aabb, mut f: impl FnMut(u64)) {
+        self.tree.query(area, |triangle| f(u64::from(triangle)));
+    }
+
+    fn corners(&self, triangle: u64) -> [Vec3; 3] {
+        self.triangle(triangle as usize)
+    }
+
+    fn ids(&self, triangle: u64) -> [u64; 3] {
+        self.triangles[triangle as usize].map(u64::from)
+    }
+
+    fn normal(&self, triangle: u64) -> Vec3 {
+        self.normals[triangle as usize]
+    }
+
+    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind {
+        self.edges[triangle as usize][edge]
+    }
+
+    fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64> {
+        let other = self.neighbours[triangle as usize][edge];
+        (other != u32::MAX).then_some(u64::from(other))
+    }
+
+    fn cover(&self, _point: Vec3) -> Option<u64> {
+        None
+    }
+}

@@ -1,0 +1,348 @@
+//! Boxes and hulls against one triangle: separating axes, then clipping.
+
+use super::facet::{Facet, corner_pushes};
+use super::{Placed, Probe, Surface, Touch};
+use crate::poly::Poly;
+use rockfall_math::Vec3;
+use rockfall_shape::{EdgeKind, HullEdge};
+use smallvec::SmallVec;
+
+/// Cosine of 3°: a direction as near as this to a normal is that normal.
+const ALIGNED: f32 = 0.9986;
+
+/// Cosine of 10°: a face tilted less than this lies on what it touches.
+const LIES: f32 = 0.985;
+
+/// Sine up to which an edge counts as square to a direction.
+const SQUARE: f32 = 1e-3;
+
+/// Sine by which a direction may leave the cone of a corner.
+const CONE: f32 = 2e-4;
+
+/// Share of A's inner radius by which another direction must be better than the triangle's own normal.
+const BETTER: f32 = 1e-3;
+
+/// A way in which the surface can push A out of the triangle.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Along the triangle's normal.
+    Face,
+    /// Against a face of A.
+    Against(usize),
+    /// Along the normal of the neighbour over this edge.
+    Beyond(usize),
+    /// Square to this edge and to this edge of A, along this direction.
+    Across(usize, usize, Vec3),
+}
+
+/// Contacts of a polyhedron with triangle `i`.
+pub(super) fn touch<S: Surface>(
+    placed: &Placed<S>,
+    facets: &[Facet],
+    i: usize,
+    a: &Poly,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    let facet = &facets[i];
+    let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
+    if lowest > probe.margin || !probe.sees(facet) {
+        return;
+    }
+    let Some(way) = shortest(placed, facet, a, lowest, probe) else {
+        return;
+    };
+    let before = touches.len();
+    let put = |touch| touches.push(Touch { facet: i, ..touch });
+    match way {
+        Way::Face => {}
+        Way::Against(face) => against(facet, a, face, probe, put),
+        Way::Beyond(edge) => beyond(facet, a, edge, probe, put),
+        Way::Across(edge, of_a, out) => across(facet, a, edge, of_a, out, probe, put),
+    }
+    if touches.len() == before {
+        on_face(facet, i, a, probe, touches);
+    }
+}
+
+/// The way that needs the least motion, among those that the surface allows; none where A and the triangle are
+/// further apart than the margin.
+fn shortest<S: Surface>(
+    placed: &Placed<S>,
+    facet: &Facet,
+    a: &Poly,
+    lowest: f32,
+    probe: &Probe,
+) -> Option<Way> {
+    let step = BETTER * a.inner_radius;
+    let mut best = (lowest + step, Way::Face);
+    let mut consider = |separation: f32, way: Way| {
+        if separation > best.0 {
+            best = (separation, way);
+        }
+    };
+    for (f, (&normal, &offset)) in a.normals.iter().zip(a.offsets).enumerate() {
+        let heights = facet.corners.map(|c| normal.dot(c) - offset);
+        let separation = heights[0].min(heights[1]).min(heights[2]);
+        if separation > probe.margin {
+            return None;
+        }
+        if facet.normal.dot(normal) > -ALIGNED
+            && separation > lowest + step
+            && pushes(placed, facet, &heights, -normal)
+        {
+            consider(separation, Way::Against(f));
+        }
+    }
+    for edge in 0..3 {
+        let limit = match facet.kinds[edge] {
+            EdgeKind::Flat | EdgeKind::Concave => continue,
+            EdgeKind::Boundary => facet.outward[edge],
+            EdgeKind::Convex => facet.beyond[edge],
+        };
+        let corner = facet.corners[edge];
+        if facet.kinds[edge] == EdgeKind::Convex && facet.normal.dot(limit) < ALIGNED {
+            let low = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(limit.dot(v - corner)));
+            if low > probe.margin {
+                return None;
+            }
+            consider(low, Way::Beyond(edge));
+        }
+        let along = facet.corners[(edge + 1) % 3] - corner;
+        for (e, of_a) in a.edges.iter().enumerate() {
+            let [c, d] = of_a.faces.map(|f| -a.normals[f as usize]);
+            if !cross(facet.normal, limit, c, d) {
+                continue;
+            }
+            let [p, q] = ends(a, of_a);
+            let out = (q - p).cross(along);
+            if out.length_squared() < 1e-6 * (q - p).length_squared() * along.length_squared() {
+                continue;
+            }
+            let out = out.normalize();
+            let out = if out.dot(facet.normal + limit) < 0.0 { -out } else { out };
+            let separation = out.dot(p - corner);
+            if separation > probe.margin {
+                return None;
+            }
+            if out.dot(facet.normal) < ALIGNED {
+                consider(separation, Way::Across(edge, e, out));
+            }
+        }
+    }
+    Some(best.1)
+}
+
+/// Whether the surface can push along `out`, where the triangle has these heights over a face of A.
+fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, heights: &[f32; 3], out: Vec3) -> bool {
+    let first = (0..3).fold(0, |low, k| if heights[k] < heights[low] { k } else { low });
+    let rises =
+        |k: usize| heights[k] - heights[first] > SQUARE * facet.corners[k].distance(facet.corners[first]);
+    let (next, previous) = ((first + 1) % 3, (first + 2) % 3);
+    match (rises(next), rises(previous)) {
+        (true, true) => corner_pushes(placed, facet.triangle, first, out, CONE),
+        (false, true) => facet.edge_pushes(first, out, CONE),
+        (true, false) => facet.edge_pushes(previous, out, CONE),
+        (false, false) => false,
+    }
+}
+
+/// Whether the arcs from `a` to `b` and from `c` to `d` on the unit sphere cross: two edges make a face of the
+/// Minkowski difference exactly then (Gregorius, "The separating axis test between convex polyhedra", GDC 2013).
+fn cross(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> bool {
+    let (ba, dc) = (b.cross(a), d.cross(c));
+    let (cba, dba, adc, bdc) = (c.dot(ba), d.dot(ba), a.dot(dc), b.dot(dc));
+    cba * dba < 0.0 && adc * bdc < 0.0 && cba * bdc > 0.0
+}
+
+fn ends(a: &Poly, edge: &HullEdge) -> [Vec3; 2] {
+    edge.vertices.map(|v| a.vertices[v as usize])
+}
+
+/// A under the triangle's normal: the parts of its edges in the prism, and the triangle's corners under its face.
+fn on_face(facet: &Facet, i: usize, a: &Poly, probe: &Probe, touches: &mut Vec<Touch>) {
+    for (k, &v) in a.vertices.iter().enumerate() {
+        let height = facet.height(v);
+        if height <= probe.margin && facet.holds(v, height) {
+            touches.push(facet.face_touch(i, v, 0.0, k));
+        }
+    }
+    for (e, edge) in a.edges.iter().enumerate() {
+        let [p, q] = ends(a, edge);
+        let heights = [facet.height(p), facet.height(q)];
+        if heights[0].min(heights[1]) > probe.margin {
+            continue;
+        }
+        let sides = (0..3).map(|side| {
+            let [from, to] = [(p, heights[0]), (q, heights[1])]
+                .map(|(v, height)| facet.outside(side, v) - facet.allowance(side, height));
+            (from, to)
+        });
+        let Some((from, to)) = clip(sides) else {
+            continue;
+        };
+        for (t, end) in [(from, 0.0), (to, 1.0)] {
+            let v = p + t * (q - p);
+            if t != end && facet.height(v) <= probe.margin {
+                let feature = facet.own_feature(3, e, end as usize);
+                touches.push(Touch { feature, ..facet.face_touch(i, v, 0.0, 0) });
+            }
+        }
+    }
+    let (face, cosine) = a.face_towards(-facet.normal);
+    if cosine < LIES {
+        return;
+    }
+    for (k, &corner) in facet.corners.iter().enumerate() {
+        let distance = (a.normals[face].dot(corner) - a.offsets[face]) / cosine;
+        if distance <= probe.margin && sides(a, face).all(|(from, outward)| outward.dot(corner - from) <= 0.0)
+        {
+            touches.push(Touch {
+                out: facet.normal,
+                on_a: corner + distance * facet.normal,
+                distance,
+                feature: facet.shared_feature([k, k], a.vertices.len() + face),
+                facet: i,
+                doubtful: distance < 0.0,
+            });
+        }
+    }
+}
+
+/// Planes through the edges of a face of A, square to it: a point and the direction away from the face, not unit.
+fn sides<'a>(a: &'a Poly, face: usize) -> impl Iterator<Item = (Vec3, Vec3)> + 'a {
+    let corners = a.face(face);
+    (0..corners.len()).map(move |k| {
+        let from = a.vertices[corners[k] as usize];
+        let to = a.vertices[corners[(k + 1) % corners.len()] as usize];
+        (from, (to - from).cross(a.normals[face]))
+    })
+}
+
+/// The part of a segment on the inner side of all planes, as parameters; for each plane, how far outside both
+/// ends are.
+fn clip(planes: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
+    let (mut first, mut last) = (0.0_f32, 1.0_f32);
+    for (from, to) in planes {
+        if from > 0.0 && to > 0.0 {
+            return None;
+        }
+        if from > 0.0 {
+            first = first.max(from / (from - to));
+        } else if to > 0.0 {
+            last = last.min(from / (from - to));
+        }
+    }
+    (first <= last).then_some((first, last))
+}
+
+/// Where a point of the surface touches a face of A, `height` over it.
+fn under(facet: &Facet, a: &Poly, face: usize, out: Vec3, q: Vec3, height: f32, name: usize) -> Touch {
+    Touch {
+        out,
+        on_a: q - height * a.normals[face],
+        distance: height,
+        feature: facet.own_feature(4, face, name),
+        facet: 0,
+        doubtful: false,
+    }
+}
+
+/// The triangle, cut to the outline of a face of A.
+fn against(facet: &Facet, a: &Poly, face: usize, probe: &Probe, mut put: impl FnMut(Touch)) {
+    let mut polygon: SmallVec<[(Vec3, usize); 24]> =
+        facet.corners.iter().enumerate().map(|(k, &c)| (c, k)).collect();
+    for (side, (from, outward)) in sides(a, face).enumerate() {
+        let mut inner = SmallVec::new();
+        for k in 0..polygon.len() {
+            let ((p, name), (q, _)) = (polygon[k], polygon[(k + 1) % polygon.len()]);
+            let (at_p, at_q) = (outward.dot(p - from), outward.dot(q - from));
+            if at_p <= 0.0 {
+                inner.push((p, name));
+            }
+            if (at_p > 0.0) != (at_q > 0.0) {
+                inner.push((p + (at_p / (at_p - at_q)) * (q - p), 8 * (side + 1) + name % 8));
+            }
+        }
+        polygon = inner;
+    }
+    for (q, name) in polygon {
+        let height = a.normals[face].dot(q) - a.offsets[face];
+        if height <= probe.margin {
+            put(under(facet, a, face, -a.normals[face], q, height, name));
+        }
+    }
+}
+
+/// An edge of the triangle, cut to the outline of a face of A that lies on it; whether there was any of it.
+fn edge_under(
+    facet: &Facet,
+    a: &Poly,
+    edge: usize,
+    face: usize,
+    out: Vec3,
+    probe: &Probe,
+    mut put: impl FnMut(Touch),
+) {
+    let (p, q) = (facet.corners[edge], facet.corners[(edge + 1) % 3]);
+    let outside = sides(a, face).map(|(from, outward)| (outward.dot(p - from), outward.dot(q - from)));
+    let Some((from, to)) = clip(outside) else {
+        return;
+    };
+    for (t, end) in [(from, 0), (to, 1)] {
+        let point = p + t * (q - p);
+        let height = a.normals[face].dot(point) - a.offsets[face];
+        if height <= probe.margin {
+            put(under(facet, a, face, out, point, height, 2 * edge + end));
+        }
+    }
+}
+
+/// A on an edge, pushed along the normal of the triangle beyond.
+fn beyond(facet: &Facet, a: &Poly, edge: usize, probe: &Probe, mut put: impl FnMut(Touch)) {
+    let out = facet.beyond[edge];
+    let (face, cosine) = a.face_towards(-out);
+    if cosine > LIES {
+        edge_under(facet, a, edge, face, out, probe, put);
+        return;
+    }
+    for (k, &v) in a.vertices.iter().enumerate() {
+        let distance = out.dot(v - facet.corners[edge]);
+        let height = facet.height(v);
+        if distance <= probe.margin && height <= probe.margin && facet.holds(v, height) {
+            let feature = facet.own_feature(5, edge, k);
+            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: false });
+        }
+    }
+}
+
+/// An edge of A across an edge of the surface.
+fn across(
+    facet: &Facet,
+    a: &Poly,
+    edge: usize,
+    of_a: usize,
+    out: Vec3,
+    probe: &Probe,
+    mut put: impl FnMut(Touch),
+) {
+    let faces = a.edges[of_a].faces.map(|f| (f as usize, -a.normals[f as usize].dot(out)));
+    let (face, cosine) = if faces[0].1 >= faces[1].1 { faces[0] } else { faces[1] };
+    if cosine > LIES {
+        edge_under(facet, a, edge, face, out, probe, put);
+        return;
+    }
+    let [p, q] = ends(a, &a.edges[of_a]);
+    let (c, d) = (facet.corners[edge], facet.corners[(edge + 1) % 3]);
+    // Both edges lie in planes square to `out`: where they cross, seen along it.
+    let (u, v, w) = (q - p, d - c, c - p);
+    let area = u.cross(v).dot(out);
+    let (s, t) = (w.cross(v).dot(out) / area, w.cross(u).dot(out) / area);
+    let inside = |x: f32| (-1e-4..=1.0 + 1e-4).contains(&x);
+    if inside(s) && inside(t) {
+        let (on_a, on_b) = (p + s * u, c + t * v);
+        let distance = out.dot(on_a - on_b);
+        let feature = facet.shared_feature([edge, edge + 1], of_a);
+        put(Touch { out, on_a, distance, feature, facet: 0, doubtful: false });
+    }
+}

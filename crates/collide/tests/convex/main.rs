@@ -1,0 +1,4 @@
+//! The promises of the convex pair functions.
+
+mod brute_force;
+mod pairs;

@@ -1,0 +1,298 @@
+//! Every ordered pair of convex shapes over random poses: the signed distance and the manifold against brute force
+//! in double precision, and the brute force against parry3d.
+//!
+//! parry3d works in single precision with tolerances of its own: it errs by up to a thousandth of the size where our
+//! brute force is exact, so brute force decides and parry3d checks that both mean the same thing.
+
+use crate::brute_force::{Random, Solid, gap, judge, manifold, size};
+use parry3d::math::{Pose, Rotation};
+use parry3d::query;
+use parry3d::shape::{Ball, Capsule, ConvexPolyhedron, Cuboid};
+use rockfall_collide::{Cache, Manifold, collide, distance};
+use rockfall_math::{DVec3, Isometry, Vec3};
+use rockfall_shape::Shape;
+
+const NAMES: [&str; 5] = ["sphere", "box", "capsule", "hull", "half-space"];
+
+/// Poses for each unordered pair of classes; every pose is asked in both orders.
+const POSES: usize = 100_000;
+
+/// Distances of shapes that are apart agree to this share of their size.
+const EXACT: f32 = 1e-6;
+
+fn poses(first: usize, second: usize, count: usize) -> impl Iterator<Item = (Shape, Shape, Isometry)> {
+    let mut random = Random((first * 8 + second) as u64);
+    let (mut a, mut b) = (random.shape(first), random.shape(second));
+    (0..count).map(move |k| {
+        if k % 16 == 0 {
+            (a, b) = (random.shape(first), random.shape(second));
+        }
+        (a.clone(), b.clone(), pose(&mut random, &a, &b))
+    })
+}
+
+/// Gaps along a direction from −20 % to +50 % of the size, one time in four within ±1 %: the distance is that gap or,
+/// where another direction separates more, a larger one.
+fn pose(random: &mut Random, a: &Shape, b: &Shape) -> Isometry {
+    let rotation = random.rotation();
+    let mut at = Isometry { rotation, translation: Vec3::ZERO };
+    let share = if random.word() % 4 == 0 { random.between(-0.01, 0.01) } else { random.between(-0.2, 0.5) };
+    let along = match random.word() % 3 {
+        0 => [Vec3::X, Vec3::NEG_Y, Vec3::Z][(random.word() % 3) as usize],
+        _ => random.direction(),
+    };
+    let wanted = f64::from(share * (size(a) + size(b)));
+    if let Shape::HalfSpace { normal, offset } = a {
+        let b = Solid::new(b, &at).unwrap();
+        let n = normal.as_dvec3();
+        let lift = (wanted + f64::from(*offset) + b.furthest(-n)) as f32;
+        let aside = random.direction().cross(*normal);
+        at.translation = lift * *normal + 3.0 * aside;
+    } else {
+        let (a, b) = (Solid::new(a, &Isometry::IDENTITY).unwrap(), Solid::new(b, &at).unwrap());
+        let shift = (wanted - gap(&a, &b, along.as_dvec3())) as f32;
+        at.translation = shift * along + random.between(0.0, 0.5) * random.direction().cross(along);
+    }
+    at
+}
+
+/// The signed distance by brute force, and the height of B along a unit direction over A.
+struct Judge {
+    a: Option<Solid>,
+    b: Solid,
+    half_space: Option<(DVec3, f64)>,
+}
+
+impl Judge {
+    fn new(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Judge {
+        let half_space = match a {
+            Shape::HalfSpace { normal, offset } => Some((normal.as_dvec3(), f64::from(*offset))),
+            _ => None,
+        };
+        Judge { a: Solid::new(a, &Isometry::IDENTITY), b: Solid::new(b, b_in_a).unwrap(), half_space }
+    }
+
+    fn distance(&self) -> f64 {
+        match (&self.a, self.half_space) {
+            (Some(a), _) => judge(a, &self.b),
+            (None, Some((n, offset))) => -self.b.furthest(-n) - offset,
+            _ => unreachable!(),
+        }
+    }
+
+    fn gap(&self, n: DVec3) -> f64 {
+        match (&self.a, self.half_space) {
+            (Some(a), _) => gap(a, &self.b, n),
+            (None, Some((normal, offset))) => {
+                assert!(normal.distance(n) < 1e-6);
+                -self.b.furthest(-n) - offset
+            }
+            _ => unreachable!(),
+        }
+    }
+
+    /// How far a point is out of A and of B.
+    fn heights(&self, p: DVec3) -> (f64, f64) {
+        let of_a = match (&self.a, self.half_space) {
+            (Some(a), _) => a.height(p),
+            (None, Some((n, offset))) => n.dot(p) - offset,
+            _ => unreachable!(),
+        };
+        (of_a, self.b.height(p))
+    }
+}
+
+fn check(a: &Shape, b: &Shape, b_in_a: &Isometry, judge: &Judge, truth: f64, scale: f32) {
+    let what = || format!("{a:?}\n{b:?}\n{b_in_a:?}\nbrute force {truth}");
+    let exact = f64::from(EXACT * scale);
+
+    let d = distance(a, b, b_in_a).unwrap();
+    assert!((f64::from(d.distance) - truth).abs() < exact, "{d:?}\n{}", what());
+    assert!((d.normal.length() - 1.0).abs() < 1e-5, "{d:?}\n{}", what());
+    // The normal proves the distance: along it the shapes are that far apart.
+    assert!(judge.gap(d.normal.as_dvec3()) > truth - 3.0 * exact, "{d:?}\n{}", what());
+    assert!((d.on_a + d.distance * d.normal - d.on_b).length() < 3.0 * EXACT * scale, "{d:?}\n{}", what());
+    let ((on_a, _), (_, on_b)) = (judge.heights(d.on_a.as_dvec3()), judge.heights(d.on_b.as_dvec3()));
+    assert!(on_a.abs() < 3.0 * exact && on_b.abs() < 3.0 * exact, "{on_a} {on_b} {d:?}\n{}", what());
+
+    let margin = 0.05 * scale;
+    let Some(m) = manifold(a, b, b_in_a, margin) else {
+        assert!(truth > f64::from(margin) - exact, "no manifold\n{}", what());
+        return;
+    };
+    assert!(truth < f64::from(margin) + exact, "{m:?}\n{}", what());
+    check_manifold(&m, judge, truth, margin, scale, &what);
+}
+
+fn check_manifold(
+    m: &Manifold,
+    judge: &Judge,
+    truth: f64,
+    margin: f32,
+    scale: f32,
+    what: &dyn Fn() -> String,
+) {
+    let exact = f64::from(EXACT * scale);
+    assert!((1..=4).contains(&m.count), "{m:?}\n{}", what());
+    assert!((m.normal.length() - 1.0).abs() < 1e-5, "{m:?}\n{}", what());
+    let deepest = f64::from(m.deepest());
+    // While the shapes overlap the manifold may prefer a face: 1 % of the depth and 0.2 % of the size.
+    let allowed = if truth > 0.0 { exact } else { exact + 0.01 * truth.abs() + 2e-3 * f64::from(scale) };
+    assert!((deepest - truth).abs() < allowed, "deepest {deepest}: {m:?}\n{}", what());
+    // Boxes that are apart may prefer a face as well, though with the exact distance.
+    let leaning = allowed.max(2e-3 * f64::from(scale));
+    assert!(judge.gap(m.normal.as_dvec3()) > truth - leaning, "{m:?}\n{}", what());
+    // Half-way between the surfaces, over a face with its sides moved out a little.
+    let slack = 3e-3 * f64::from(scale);
+    for (k, p) in m.points().iter().enumerate() {
+        assert!(p.distance <= margin && p.position.is_finite(), "{m:?}\n{}", what());
+        let (of_a, of_b) = judge.heights(p.position.as_dvec3());
+        let half = 0.5 * f64::from(p.distance.abs());
+        assert!(of_a < half + slack && of_b < half + slack, "point {k}, {of_a} {of_b}: {m:?}\n{}", what());
+        for q in &m.points()[..k] {
+            assert_ne!(p.feature, q.feature, "{m:?}\n{}", what());
+        }
+    }
+}
+
+fn parry(shape: &Shape) -> Option<Box<dyn parry3d::shape::Shape>> {
+    Some(match shape {
+        Shape::Sphere { radius } => Box::new(Ball::new(*radius)),
+        Shape::Box { half } => Box::new(Cuboid::new(*half)),
+        Shape::Capsule { half_length, radius } => Box::new(Capsule::new_z(*half_length, *radius)),
+        Shape::Hull(hull) => Box::new(ConvexPolyhedron::from_convex_hull(&hull.vertices)?),
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
+    })
+}
+
+/// What parry3d says, and whether it has an opinion.
+fn second_opinion(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<f32> {
+    let (a, b) = (parry(a)?, parry(b)?);
+    let pose = Pose::from_parts(b_in_a.translation, Rotation::from_mat3(&b_in_a.rotation));
+    query::contact(&Pose::IDENTITY, &*a, &pose, &*b, 100.0).ok()?.map(|c| c.dist)
+}
+
+fn class_against_class(first: usize, second: usize) {
+    let (mut asked, mut apart_of_opinion, mut ties) = (0, 0, 0);
+    for (k, (a, b, b_in_a)) in poses(first, second, POSES).enumerate() {
+        let scale = size(&a) + size(&b) + 0.1 * b_in_a.translation.length();
+        let judge = Judge::new(&a, &b, &b_in_a);
+        let truth = judge.distance();
+        check(&a, &b, &b_in_a, &judge, truth, scale);
+        ties += u32::from(!swapped_is_mirrored(&a, &b, &b_in_a, scale));
+        if k % 10 == 0
+            && let Some(opinion) = second_opinion(&a, &b, &b_in_a)
+        {
+            asked += 1;
+            let off = f64::from(opinion) - truth;
+            // Penetrations of parry3d are those of some direction: never less than the least, up to its rounding.
+            let allowed = 2e-3 * f64::from(scale) + 0.01 * truth.min(0.0).abs();
+            let differs = if truth > 0.0 { off.abs() > allowed } else { off > allowed };
+            apart_of_opinion += u32::from(differs);
+        }
+    }
+    println!("{} / {}: parry3d differs in {apart_of_opinion} of {asked}", NAMES[first], NAMES[second]);
+    assert!(ties < POSES as u32 / 100, "{ties} manifolds differ by the order");
+    // The most are nearly parallel capsules: parry3d takes their nearest points to a hundredth only.
+    assert!(25 * apart_of_opinion <= asked, "parry3d differs in {apart_of_opinion} of {asked}");
+}
+
+/// The same pair in the other order: the same distance. Whether the manifold is the mirrored one as well.
+fn swapped_is_mirrored(a: &Shape, b: &Shape, b_in_a: &Isometry, scale: f32) -> bool {
+    let back = b_in_a.inverse();
+    let (d, e) = (distance(a, b, b_in_a).unwrap(), distance(b, a, &back).unwrap());
+    assert!((d.distance - e.distance).abs() < 2.0 * EXACT * scale, "{a:?}\n{b:?}\n{b_in_a:?}\n{d:?}\n{e:?}");
+    let margin = 0.05 * scale;
+    if (d.distance - margin).abs() < 2.0 * EXACT * scale {
+        return true;
+    }
+    let (m, n) = (manifold(a, b, b_in_a, margin), manifold(b, a, &back, margin));
+    assert_eq!(m.is_some(), n.is_some(), "{a:?}\n{b:?}\n{b_in_a:?}");
+    let same_class = std::mem::discriminant(a) == std::mem::discriminant(b);
+    if let (Some(m), Some(n)) = (m, n)
+        && !same_class
+    {
+        // One of the two orders is the other one, seen from the other side: up to ties that rounding decides.
+        assert!((m.deepest() - n.deepest()).abs() < 1e-3 * scale, "{a:?}\n{b:?}\n{b_in_a:?}\n{m:?}\n{n:?}");
+        if m.count != n.count || (m.normal + b_in_a.vector(n.normal)).length() > 1e-3 {
+            return false;
+        }
+        return m.points().iter().zip(n.points()).all(|(p, q)| {
+            (p.distance - q.distance).abs() < 1e-4 * scale
+                && (p.position - b_in_a.point(q.position)).length() < 1e-3 * scale
+        });
+    }
+    true
+}
+
+macro_rules! pairs {
+    ($($name:ident: $first:literal, $second:literal;)*) => {
+        $(#[test] fn $name() { class_against_class($first, $second); })*
+    };
+}
+
+pairs! {
+    sphere_sphere: 0, 0;
+    box_box: 1, 1;
+    capsule_capsule: 2, 2;
+    hull_hull: 3, 3;
+    sphere_box: 0, 1;
+    sphere_capsule: 0, 2;
+    sphere_hull: 0, 3;
+    box_capsule: 1, 2;
+    box_hull: 1, 3;
+    capsule_hull: 2, 3;
+    half_space_sphere: 4, 0;
+    half_space_box: 4, 1;
+    half_space_capsule: 4, 2;
+    half_space_hull: 4, 3;
+}
+
+#[test]
+fn two_half_spaces_have_nothing_to_say() {
+    let ground = Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 };
+    assert!(manifold(&ground, &ground, &Isometry::IDENTITY, 1.0).is_none());
+    assert!(distance(&ground, &ground, &Isometry::IDENTITY).is_none());
+}
+
+#[test]
+fn a_place_that_is_not_finite_has_no_contact() {
+    let mut random = Random(1);
+    for first in 0..5 {
+        for second in 0..5 {
+            let (a, b) = (random.shape(first), random.shape(second));
+            for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let pose = Isometry { translation: Vec3::new(0.0, bad, 0.0), ..Isometry::IDENTITY };
+                assert!(manifold(&a, &b, &pose, 1.0).is_none());
+                assert!(distance(&a, &b, &pose).is_none());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_used_cache_changes_no_bit() {
+    let mut random = Random(7);
+    for first in 0..5 {
+        for second in 0..5 {
+            for _ in 0..20 {
+                let (a, b) = (random.shape(first), random.shape(second));
+                if matches!((&a, &b), (Shape::HalfSpace { .. }, Shape::HalfSpace { .. })) {
+                    continue;
+                }
+                // A walk that comes and goes around contact.
+                let (mut at, mut cache) =
+                    (Isometry { rotation: random.rotation(), translation: Vec3::ZERO }, Cache::default());
+                let reach = size(&a) + size(&b);
+                let mut out = Vec::new();
+                for _ in 0..200 {
+                    at.translation += 0.1 * reach * random.direction();
+                    at.translation *= (reach / at.translation.length()).min(1.0);
+                    out.clear();
+                    collide(&a, &b, &at, 0.05, &mut cache, &mut out);
+                    assert_eq!(out.first().copied(), manifold(&a, &b, &at, 0.05));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Effective masses: the inverse of what a unit impulse does to a contact.
+//!
+//! d · K e with the report's K = K_a + K_b, for the normal at each point, for the two tangents at the middle of the points,
+//! and for the torque about the normal.
+
+use crate::block::{Block, Column, LANES, load, load3, store, tangents};
+use crate::line::Line;
+use crate::sweep::Symmetric;
+use rockfall_math::lanes::{Kernel, Lanes, Lanes3};
+
+/// Completes blocks whose lanes hold: 1 or 0 for a point in use or not, where the mass along the normal goes; the friction
+/// impulse in world axes, where the tangents' masses go; and the coefficient of twisting friction, where the limit of
+/// the twist impulse goes.
+pub(crate) struct Effective<'a, const P: usize, const T: usize> {
+    pub(crate) blocks: &'a mut [Block<P, T>],
+    pub(crate) lines: &'a [Line],
+}
+
+impl<const P: usize, const T: usize> Kernel for Effective<'_, P, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self, token: L::Token) {
+        for block in self.blocks {
+            for k in (0..LANES).step_by(L::WIDTH) {
+                if block.a[k] == 0 {
+                    break;
+                }
+                complete::<L, P, T>(token, block, self.lines, k);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn complete<L: Lanes, const P: usize, const T: usize>(
+    token: L::Token,
+    block: &mut Block<P, T>,
+    lines: &[Line],
+    k: usize,
+) {
+    let zero = L::splat(token, 0.0);
+    let (mass_a, inertia_a) = gather(token, lines, &block.a, k);
+    let (mass_b, inertia_b) = gather(token, lines, &block.b, k);
+    let inverse_mass: L = mass_a + mass_b;
+    let offset: Lanes3<L> = load3(token, &block.offset, k);
+    let n: Lanes3<L> = load3(token, &block.normal, k);
+    let (s, t) = tangents(token, n);
+
+    let mut middle = Lanes3::new(zero, zero, zero);
+    let mut used = zero;
+    for p in 0..P {
+        let arm: Lanes3<L> = load3(token, &block.arms[p], k);
+        middle = middle + arm;
+        let (ca, cb) = (arm.cross(n), (arm - offset).cross(n));
+        let compliance = inverse_mass + ca.dot(inertia_a.times(ca)) + cb.dot(inertia_b.times(cb));
+        let in_use = load(token, &block.masses[p], k);
+        used = used + in_use;
+        store(in_use * invert(token, compliance), &mut block.masses[p], k);
+    }
+    let middle = middle.scale(L::splat(token, 1.0 / P as f32));
+
+    let [sa, ta] = [s, t].map(|d| middle.cross(d));
+    let [sb, tb] = [s, t].map(|d| (middle - offset).cross(d));
+    let (isa, isb) = (inertia_a.times(sa), inertia_b.times(sb));
+    let k11 = inverse_mass + sa.dot(isa) + sb.dot(isb);
+    let k12 = ta.dot(isa) + tb.dot(isb);
+    let k22 = inverse_mass + ta.dot(inertia_a.times(ta)) + tb.dot(inertia_b.times(tb));
+    let inverse = invert(token, k11 * k22 - k12 * k12);
+    let friction: Lanes3<L> = load3(token, &block.tangent_mass, k);
+    store(s.dot(friction), &mut block.tangent_impulse[0], k);
+    store(t.dot(friction), &mut block.tangent_impulse[1], k);
+    store(k22 * inverse, &mut block.tangent_mass[0], k);
+    store(-(k12 * inverse), &mut block.tangent_mass[1], k);
+    store(k11 * inverse, &mut block.tangent_mass[2], k);
+
+    for twist in 0..T {
+        let mut lever = zero;
+        for p in 0..P {
+            // Points that are not in use lie in the middle and add nothing.
+            let arm = load3(token, &block.arms[p], k) - middle;
+            lever = lever + arm.dot(arm).sqrt();
+        }
+        let lever = lever * invert(token, used);
+        let friction: L = load(token, &block.friction, k);
+        let twisting: L = load(token, &block.twist_limit[twist], k);
+        store(friction * lever + twisting, &mut block.twist_limit[twist], k);
+        let compliance = n.dot(inertia_a.times(n)) + n.dot(inertia_b.times(n));
+        store(invert(token, compliance), &mut block.twist_mass[twist], k);
+    }
+}
+
+/// Inverse masses and inertias of a body in each lane.
+#[inline(always)]
+fn gather<L: Lanes>(token: L::Token, lines: &[Line], index: &[u32; LANES], k: usize) -> (L, Symmetric<L>) {
+    let line = |i: usize| &lines[index[k + i] as usize];
+    let mut mass: Column = [0.0; LANES];
+    for (i, lane) in mass[..L::WIDTH].iter_mut().enumerate() {
+        *lane = line(i).inverse_mass();
+    }
+    let [xx, xy, xz, yy, yz, zz, _, _] = L::gather(token, |i| &line(i).inertia);
+    (L::load(token, &mass[..L::WIDTH]), Symmetric([xx, xy, xz, yy, yz, zz]))
+}
+
+/// 1 / x, or 0 where nothing can give way.
+#[inline(always)]
+fn invert<L: Lanes>(token: L::Token, x: L) -> L {
+    let zero = L::splat(token, 0.0);
+    let one = L::splat(token, 1.0);
+    let positive = zero.lt(x);
+    L::select(positive, one / L::select(positive, x, one), zero)
+}
