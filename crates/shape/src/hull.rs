@@ -1,8 +1,8 @@
 //! Convex polyhedra: the cooked form that the pair functions read.
 //!
 //! Cooking goes: points → triangles of their exact convex hull → polygon faces → the columns of [`Hull`] → a check
-//! of every promise. Face merging is by a tolerance; should the outcome break a promise, cooking starts again with
-//! a smaller one, at last with none.
+//! of every promise. Faces merge by a tolerance; should the outcome break a promise, which no known points make it
+//! do, cooking starts again without, and all faces are triangles.
 
 mod check;
 mod merge;
@@ -74,8 +74,8 @@ pub enum HullError {
     #[error("all points of the hull lie in a plane, or within a hundred-thousandth of their extent of one")]
     Coplanar,
     /// More corners than a body can carry.
-    #[error("the hull has {0} corners, more than {MAX_CORNERS}: simplify it")]
-    TooManyCorners(usize),
+    #[error("the hull has more than {MAX_CORNERS} corners: simplify it")]
+    TooManyCorners,
     /// The hull that was built breaks a promise.
     #[error("the hull of these points is broken: {0}")]
     Broken(HullDefect),
@@ -184,12 +184,12 @@ impl Hull {
         }
         let whole = tolerance(&bounds);
         let mut broken = HullDefect::Layout;
-        for tolerance in [whole, whole / 8.0, whole / 64.0, 0.0] {
+        for tolerance in [whole, 0.0] {
             let Some((corners, faces)) = polyhedron(points, max_vertices, whole, tolerance)? else {
                 continue;
             };
             if corners.len() > MAX_CORNERS {
-                return Err(HullError::TooManyCorners(corners.len()));
+                return Err(HullError::TooManyCorners);
             }
             let hull = Self::assemble(corners, &faces);
             match hull.check() {
@@ -269,9 +269,14 @@ fn polyhedron(
     // Adding zero turns -0 into 0, so that equal points have equal bits.
     let mut kept: Vec<DVec3> = points.iter().map(|p| (*p + Vec3::ZERO).as_dvec3()).collect();
     loop {
-        let goal = Goal { corners: max_vertices, near: 0.5 * tolerance, flat: 10.0 * whole };
+        // Far more than there may be in the end: merging takes few away.
+        let corners = max_vertices.min(2 * MAX_CORNERS + 1);
+        let goal = Goal { corners, near: 0.5 * tolerance, flat: 10.0 * whole };
         let triangles = quickhull(&kept, goal)?;
         let used = renumber(&mut kept, triangles);
+        if kept.len() > 2 * MAX_CORNERS {
+            return Err(HullError::TooManyCorners);
+        }
         match merge(&kept, &used, tolerance) {
             Ok(Merged::Faces(mut faces)) => {
                 for corners in &mut faces {
