@@ -202,6 +202,21 @@ fn a_dry_run_counts_and_touches_nothing() {
 }
 
 #[test]
+fn every_scene_that_ships_is_read() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut count = 0;
+    for entry in fs::read_dir(scenes).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let info = Command::new(env!("CARGO_BIN_EXE_rockfall")).arg("info").arg(&path).output().unwrap();
+            expect(&info, 0);
+            count += 1;
+        }
+    }
+    assert!(count >= 10, "{count} scenes");
+}
+
+#[test]
 fn runs_without_a_folder_are_numbered() {
     let place = Place::new();
     for number in 1..=2 {
