@@ -82,9 +82,10 @@ pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f
             let nearest = closest.with_skins(0.0, radius);
             let (f, cosine) = a.face_towards(closest.normal);
             let rounding = 4e-7 * (core[0].distance(core[1]) + a.vertices[0].length());
-            let mut manifold = (cosine >= FACE_COSINE)
-                .then(|| over_face(a, f, closest.normal, closest.distance, core, radius, margin))
-                .unwrap_or_default();
+            let mut manifold = Manifold::default();
+            if cosine >= FACE_COSINE {
+                manifold = over_face(a, f, closest.normal, closest.distance, core, radius, margin);
+            }
             manifold.normal = closest.normal;
             if manifold.deepest() > nearest.distance + rounding {
                 manifold.points[manifold.count as usize] = nearest.point();

@@ -25,16 +25,19 @@ mod sat;
 mod segments;
 mod sphere_box;
 mod surface;
+mod time_of_impact;
 
 pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
 pub use surface::{convex_height_field, convex_mesh};
+pub use time_of_impact::{Motion, Sweep, Toi, time_of_impact};
 
 use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces. `b_in_a` places B in A's frame, and all of the result is in A's frame.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces.
+/// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite.

@@ -57,13 +57,21 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     if let Proximity::Apart(closest) = gjk::proximity(a.vertices, b.vertices, b_in_a, f32::INFINITY) {
         return closest;
     }
-    let axis = sat::least_overlap(a, b, b_in_a).least;
-    let manifold = overlap(a, b, b_in_a, f32::INFINITY, 0.0, &axis)
-        .unwrap_or_else(|| single(&axis, corner(a, b, b_in_a, &axis)));
-    let at = manifold
-        .points()
-        .iter()
-        .fold(manifold.points[0], |m, p| if p.distance < m.distance { *p } else { m });
+    let choice = sat::least_overlap(a, b, b_in_a);
+    let same = rounding(a, b, b_in_a);
+    let deepest = |axis: &Axis, slack: f32| {
+        let manifold = overlap(a, b, b_in_a, f32::INFINITY, slack, axis)?;
+        let first = manifold.points[0];
+        let at = manifold.points().iter().fold(first, |m, p| if p.distance < m.distance { *p } else { m });
+        (at.distance <= axis.separation + same).then_some((*axis, at))
+    };
+    // The deepest point lies over the face. If it does not, rounding chose that face before a pair of edges, or put
+    // the point a hair beside.
+    let edges = choice.edges.filter(|e| e.separation >= choice.least.separation - same);
+    let (axis, at) = deepest(&choice.least, 0.0)
+        .or_else(|| deepest(&edges?, 0.0))
+        .or_else(|| deepest(&choice.least, SLACK * a.inner_radius.min(b.inner_radius)))
+        .unwrap_or_else(|| (choice.least, corner(a, b, b_in_a, &choice.least)));
     let half = 0.5 * axis.separation * axis.normal;
     Closest {
         distance: axis.separation,

@@ -47,6 +47,8 @@ pub(crate) struct Choice {
     pub(crate) steady: Axis,
     /// That of least overlap.
     pub(crate) least: Axis,
+    /// The best pair of edges.
+    pub(crate) edges: Option<Axis>,
 }
 
 /// The axis of least overlap of two polyhedra, and the one to prefer.
@@ -63,7 +65,7 @@ pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Choice {
     let of_b = Axis { normal: -normal, separation, kind: Kind::FaceOfB(f) };
 
     let edges = best_edges(a, b, b_in_a, &placed, of_a.separation.max(of_b.separation));
-    let mut choice = Choice { steady: of_a, least: of_a };
+    let mut choice = Choice { steady: of_a, least: of_a, edges };
     let radius = a.inner_radius.min(b.inner_radius);
     for axis in std::iter::once(of_b).chain(edges) {
         let steady = choice.steady.separation;
@@ -97,8 +99,50 @@ fn best_face(
     best
 }
 
-/// Vectors by coordinate, the last one repeated to fill the lanes.
-struct Columns(SmallVec<[[[f32; LANES]; 3]; 8]>);
+/// As many vectors as there are lanes, by coordinate.
+#[derive(Clone, Copy, Default)]
+struct Lanes([[f32; LANES]; 3]);
+
+impl Lanes {
+    #[inline]
+    fn along(&self, d: Vec3) -> [f32; LANES] {
+        let [x, y, z] = &self.0;
+        std::array::from_fn(|l| x[l] * d.x + y[l] * d.y + z[l] * d.z)
+    }
+
+    fn set(&mut self, lane: usize, v: Vec3) {
+        self.0[0][lane] = v.x;
+        self.0[1][lane] = v.y;
+        self.0[2][lane] = v.z;
+    }
+}
+
+/// Edges of B in A's frame; empty lanes are zero and cross nothing.
+#[derive(Clone, Copy, Default)]
+struct EdgeBlock {
+    left: Lanes,
+    right: Lanes,
+    along: Lanes,
+}
+
+impl EdgeBlock {
+    /// Negative where the arc of A's edge, with the normals `l` and `r` of its faces and the direction `d`, crosses
+    /// the mirrored arc of B: each arc has its ends on both sides of the other's plane, and they do so on the same
+    /// hemisphere.
+    #[inline]
+    fn crossing(&self, l: Vec3, r: Vec3, d: Vec3) -> [f32; LANES] {
+        let (left_of_b, right_of_b) = (self.left.along(d), self.right.along(d));
+        let (left_of_a, right_of_a) = (self.along.along(l), self.along.along(r));
+        let max = |x: f32, y: f32| if x > y { x } else { y };
+        std::array::from_fn(|k| {
+            let (across_b, across_a) = (left_of_b[k] * right_of_b[k], left_of_a[k] * right_of_a[k]);
+            max(max(across_b, across_a), left_of_b[k] * right_of_a[k])
+        })
+    }
+}
+
+/// Points by coordinate, the last one repeated to fill the lanes.
+struct Columns(SmallVec<[Lanes; 8]>);
 
 impl Columns {
     fn new(points: &[Vec3]) -> Self {
@@ -106,25 +150,18 @@ impl Columns {
             points
                 .chunks(LANES)
                 .map(|chunk| {
-                    let at = |l: usize| chunk[l.min(chunk.len() - 1)];
-                    [
-                        std::array::from_fn(|l| at(l).x),
-                        std::array::from_fn(|l| at(l).y),
-                        std::array::from_fn(|l| at(l).z),
-                    ]
+                    let mut lanes = Lanes::default();
+                    (0..LANES).for_each(|l| lanes.set(l, chunk[l.min(chunk.len() - 1)]));
+                    lanes
                 })
                 .collect(),
         )
     }
 
-    fn along(block: &[[f32; LANES]; 3], d: Vec3) -> [f32; LANES] {
-        std::array::from_fn(|l| block[0][l] * d.x + block[1][l] * d.y + block[2][l] * d.z)
-    }
-
     fn least_along(&self, direction: Vec3) -> f32 {
         let mut least = [f32::INFINITY; LANES];
         for block in &self.0 {
-            let along = Self::along(block, direction);
+            let along = block.along(direction);
             for l in 0..LANES {
                 least[l] = if along[l] < least[l] { along[l] } else { least[l] };
             }
@@ -142,20 +179,21 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
     let near = |[p, q]: [Vec3; 2], other: &Aabb| Aabb::new(p.min(q), p.max(q)).overlaps(other);
 
     let mut kept: SmallVec<[usize; 64]> = SmallVec::new();
-    let (mut left, mut right, mut along) = (Points::new(), Points::new(), Points::new());
+    let mut blocks: SmallVec<[EdgeBlock; 6]> = SmallVec::new();
     for (j, e) in b.edges.iter().enumerate() {
         let [p, q] = ends(placed, e.vertices);
         if near([p, q], &box_of_a) {
+            let lane = kept.len() % LANES;
+            if lane == 0 {
+                blocks.push(EdgeBlock::default());
+            }
+            let block = blocks.last_mut().expect("one was pushed for lane 0");
+            block.left.set(lane, b_in_a.vector(b.normals[e.faces[0] as usize]));
+            block.right.set(lane, b_in_a.vector(b.normals[e.faces[1] as usize]));
+            block.along.set(lane, q - p);
             kept.push(j);
-            left.push(b_in_a.vector(b.normals[e.faces[0] as usize]));
-            right.push(b_in_a.vector(b.normals[e.faces[1] as usize]));
-            along.push(q - p);
         }
     }
-    if kept.is_empty() {
-        return None;
-    }
-    let (left, right, along) = (Columns::new(&left), Columns::new(&right), Columns::new(&along));
 
     let mut best: Option<Axis> = None;
     for (i, e) in a.edges.iter().enumerate() {
@@ -164,23 +202,13 @@ fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, placed: &[Vec3], least: f32
             continue;
         }
         let (l, r, d) = (a.normals[e.faces[0] as usize], a.normals[e.faces[1] as usize], q - p);
-        for block in 0..left.0.len() {
-            // The arc of A and the mirrored arc of B cross: each has its ends on both sides of the other's plane,
-            // and they do so on the same hemisphere.
-            let left_of_b = Columns::along(&left.0[block], d);
-            let right_of_b = Columns::along(&right.0[block], d);
-            let left_of_a = Columns::along(&along.0[block], l);
-            let right_of_a = Columns::along(&along.0[block], r);
-            let crosses: [bool; LANES] = std::array::from_fn(|k| {
-                (left_of_b[k] * right_of_b[k] < 0.0)
-                    & (left_of_a[k] * right_of_a[k] < 0.0)
-                    & (left_of_b[k] * right_of_a[k] < 0.0)
-            });
-            if !crosses.contains(&true) {
+        for (first, block) in blocks.iter().enumerate() {
+            let crossing = block.crossing(l, r, d);
+            if crossing.iter().all(|&x| x >= 0.0) {
                 continue;
             }
-            for k in (0..LANES).filter(|&k| crosses[k]) {
-                let Some(&j) = kept.get(block * LANES + k) else { break };
+            for k in (0..LANES).filter(|&k| crossing[k] < 0.0) {
+                let Some(&j) = kept.get(first * LANES + k) else { break };
                 let second = ends(placed, b.edges[j].vertices);
                 let Some((normal, separation)) = edge_axis([p, q], second, a.center) else { continue };
                 if best.is_none_or(|b| separation > b.separation) {

@@ -23,8 +23,8 @@ mod mesh;
 mod round;
 mod solid;
 
+use crate::Manifold;
 use crate::poly::{BoxPoly, Poly};
-use crate::{Manifold, surface};
 use facet::Facet;
 use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
 use rockfall_shape::{EdgeKind, HeightField, Mesh, Shape};
@@ -47,7 +47,7 @@ pub fn convex_height_field(
 }
 
 /// Triangles with neighbours, in their own frame. A triangle is named by an index.
-trait Surface {
+pub(crate) trait Surface {
     /// Calls `f` with each triangle that may touch `area`, in any order.
     fn near(&self, area: &Aabb, f: impl FnMut(u64));
     /// Corners, counter-clockwise from outside.
@@ -110,13 +110,6 @@ struct Probe<'a> {
     radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
-}
-
-impl Probe<'_> {
-    /// Whether A is on the front side of the triangle, or only a little behind it.
-    fn sees(&self, facet: &Facet) -> bool {
-        facet.height(self.center) >= -self.limit
-    }
 }
 
 /// A point of contact between A and one triangle.
@@ -182,8 +175,9 @@ fn ball<S: Surface>(
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
     }
-    surface::sunk(&placed, &facets, core, radius, &probe, &mut touches);
-    merge::manifolds(&facets, &probe, touches, out);
+    sunk(&placed, &facets, core, radius, &probe, &mut touches);
+    let kept = merge::keep(&facets, &probe, &touches);
+    merge::manifolds(&facets, &probe, kept, out);
 }
 
 /// Boxes and hulls.
@@ -195,11 +189,15 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
     let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
     let mut touches = Vec::new();
-    for i in 0..facets.len() {
-        solid::touch(&placed, &facets, i, a, &probe, &mut touches);
+    let reached: Vec<bool> =
+        (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
+    sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
+    let mut kept = merge::keep(&facets, &probe, &touches);
+    if kept.is_empty() {
+        let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
+        kept.extend(solid::nearest(reached, a, &probe));
     }
-    surface::sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
-    merge::manifolds(&facets, &probe, touches, out);
+    merge::manifolds(&facets, &probe, kept, out);
 }
 
 /// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight

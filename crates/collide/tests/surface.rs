@@ -561,62 +561,104 @@ mod oracle {
         }
     }
 
-    /// Distances on rough terrain: a contact within the margin whenever parry sees the shapes nearer than that, none
-    /// when it does not, and the distance where closed forms give it.
+    fn distance(shape: &dyn parry3d::shape::Shape, pose: &Isometry, mesh: &TriMesh) -> f32 {
+        let there = Pose::from_parts(pose.translation, Quat::from_mat3(&pose.rotation));
+        parry3d::query::distance(&there, shape, &Pose::identity(), mesh).expect("supported").distance
+    }
+
+    /// Somewhere over the terrain, the distance from it not more than `wanted`.
+    fn lowered(
+        shape: &dyn parry3d::shape::Shape,
+        mesh: &TriMesh,
+        wanted: f32,
+        random: &mut Random,
+    ) -> (Isometry, f32) {
+        let mut pose = at(random.point(2.0), random.turn());
+        pose.translation.z = 3.0;
+        for _ in 0..60 {
+            let d = distance(shape, &pose, mesh);
+            if d <= wanted * 1.001 {
+                break;
+            }
+            pose.translation.z -= d - wanted;
+        }
+        (pose, distance(shape, &pose, mesh))
+    }
+
+    fn terrains() -> Vec<(f32, Mesh, TriMesh)> {
+        [0.2, 0.8, 2.0]
+            .into_iter()
+            .map(|roughness| {
+                let mesh = as_mesh(&hills(16, 0.4, roughness, 6));
+                let judge = TriMesh::new(mesh.vertices.clone(), mesh.triangles.clone()).expect("a mesh");
+                (roughness, mesh, judge)
+            })
+            .collect()
+    }
+
+    /// A contact whenever the surfaces are nearer than the margin, none when they are not. Its distance is exact for
+    /// round shapes; a polyhedron that is near a corner gets the distance of planes, which differs by a few
+    /// millimetres in the worst terrain, and never by more than the margin.
     #[test]
     fn distances_on_rough_terrain_are_those_of_parry() {
         let mut random = Random(41);
-        for (k, roughness) in [0.2, 0.8, 2.0].into_iter().enumerate() {
-            let mesh = as_mesh(&hills(16, 0.4, roughness, 6 + k as u64));
-            let judge = TriMesh::new(mesh.vertices.clone(), mesh.triangles.clone()).expect("a mesh");
+        let margin = 0.03;
+        for (roughness, mesh, judge) in &terrains() {
             for shape in &shapes() {
                 let body = parry(shape);
-                let (mut near, mut missed, mut off) = (0, 0, 0);
-                for _ in 0..600 {
-                    let over = random.point(2.0);
-                    let turn = random.turn();
-                    let mut pose = at(over, turn);
-                    pose.translation.z = 3.0;
-                    let distance = |pose: &Isometry| {
-                        let q = Quat::from_mat3(&pose.rotation);
-                        let there = Pose::from_parts(pose.translation, q);
-                        parry3d::query::distance(&there, &*body, &Pose::identity(), &judge)
-                            .expect("supported")
-                            .distance
-                    };
-                    // Lower it to a wanted distance.
+                let round = matches!(shape, Shape::Sphere { .. } | Shape::Capsule { .. });
+                let (mut near, mut off) = (0, 0);
+                for _ in 0..200 {
                     let wanted = random.between(0.001, 0.05);
-                    for _ in 0..40 {
-                        let d = distance(&pose);
-                        if d <= wanted * 1.001 {
-                            break;
-                        }
-                        pose.translation.z -= d - wanted;
-                    }
-                    let truth = distance(&pose);
-                    let margin = 0.03;
-                    let manifolds = touch(shape, &mesh, &pose, margin);
+                    let (pose, truth) = lowered(&*body, judge, wanted, &mut random);
+                    let manifolds = touch(shape, mesh, &pose, margin);
                     let found = manifolds.iter().map(Manifold::deepest).fold(f32::INFINITY, f32::min);
-                    if truth > margin + 1e-4 {
-                        if manifolds.iter().any(|m| m.deepest() < margin - 0.02) {
-                            off += 1;
-                        }
-                        continue;
-                    }
-                    if truth > margin - 1e-4 {
-                        continue;
-                    }
-                    near += 1;
-                    if manifolds.is_empty() {
-                        missed += 1;
-                    } else if (found - truth).abs() > 1e-4 {
-                        off += 1;
-                        println!("  {truth} found {found} {}", manifolds.len());
+                    let what = format!("{roughness} {} {pose:?}: {found} for {truth}", shape.name());
+                    if truth > 1.01 * margin {
+                        assert!(manifolds.is_empty() || !round, "{what}");
+                    } else if truth < 0.99 * margin {
+                        near += 1;
+                        assert!(!manifolds.is_empty(), "{what}");
+                        let error = (found - truth).abs();
+                        assert!(error < if round { 5e-4 } else { margin }, "{what}");
+                        off += i32::from(error > 5e-4);
                     }
                 }
-                println!("roughness {roughness} {}: near {near}, missed {missed}, off {off}", shape.name());
-                if matches!(shape, Shape::Sphere { .. } | Shape::Capsule { .. }) {
-                    //assert_eq!((missed, off), (0, 0));
+                assert!(
+                    near > 100 && off * 6 < near,
+                    "{roughness} {}: {off} of {near} are off",
+                    shape.name()
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn whatever_overlaps_has_a_contact_that_says_so() {
+        let mut random = Random(43);
+        for (roughness, mesh, judge) in &terrains() {
+            for shape in &shapes() {
+                let body = parry(shape);
+                for _ in 0..200 {
+                    let (mut pose, _) = lowered(&*body, judge, 1e-4, &mut random);
+                    let depth = random.between(0.002, 0.03);
+                    pose.translation.z -= depth;
+                    let there = Pose::from_parts(pose.translation, Quat::from_mat3(&pose.rotation));
+                    if !parry3d::query::intersection_test(&there, &*body, &Pose::identity(), judge)
+                        .expect("supported")
+                        .intersecting
+                    {
+                        continue;
+                    }
+                    let manifolds = touch(shape, mesh, &pose, 0.01);
+                    let deepest = manifolds.iter().map(Manifold::deepest).fold(f32::INFINITY, f32::min);
+                    assert!(deepest < 0.0, "{roughness} {} {pose:?}: {deepest}", shape.name());
+                    // Straight down by `depth` is the way in, so no contact is much deeper than that.
+                    assert!(
+                        deepest > -2.5 * depth - 1e-3,
+                        "{roughness} {} {pose:?}: {deepest} after {depth}",
+                        shape.name()
+                    );
                 }
             }
         }

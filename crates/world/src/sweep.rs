@@ -1,7 +1,99 @@
 //! Stage 13, **sweep**: continuous detection.
+//!
+//! Reads drift, poses and the trees; writes poses. A body that moves further in a step than contacts can see ahead is taken
+//! along its way from the start of the step, and stopped where it first comes near another body; its velocity is left to
+//! the contact that the next step finds there. Each fast body is swept against the whole motions of the others, so that
+//! the order does not matter.
 
 use crate::Shape;
 use crate::bodies::Bodies;
 use crate::index::Index;
+use rayon::prelude::*;
+use rockfall_collide::{Motion, Sweep, time_of_impact};
+use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
+use rockfall_solve::line::Role;
 
-pub(crate) fn sweep(_bodies: &mut Bodies, _shapes: &[Shape], _trees: &Index) {}
+/// A body is fast when a point of it moves by more than this share of its inner radius in a step: what its reach, which
+/// grows with its speed up to the same share, may not see.
+const FAST: f32 = 0.5;
+
+/// Distance at which a fast body is stopped, as a share of its inner radius: within its reach at rest.
+const STOP: f32 = 0.01;
+
+/// Stops fast bodies at what they would pass through.
+pub(crate) fn sweep(bodies: &mut Bodies, shapes: &[Shape], trees: &Index) {
+    let stopped: Vec<(usize, f32)> = (1..bodies.rows())
+        .into_par_iter()
+        .with_min_len(512)
+        .filter_map(|row| {
+            let shape = shapes.get(bodies.shapes[row] as usize)?;
+            is_fast(bodies, row, shape).then(|| first_impact(bodies, shapes, trees, row, shape))?
+        })
+        .collect();
+    for (row, time) in stopped {
+        let drift = &mut bodies.drifts[row];
+        let (way, turn) = (drift.translation(), drift.rotation());
+        bodies.positions[row] -= (way * (1.0 - time)).as_dvec3();
+        let back = rotation::from_rotation_vector(-turn * (1.0 - time));
+        bodies.rotations[row] = rotation::normalize(rotation::compose(back, bodies.rotations[row]));
+        drift.set(way * time, turn * time);
+    }
+}
+
+fn is_fast(bodies: &Bodies, row: usize, shape: &Shape) -> bool {
+    let drift = &bodies.drifts[row];
+    let far = drift.translation().length() + drift.rotation().length() * bodies.radii[row];
+    bodies.roles[row] == Role::Free && far > FAST * shape.inner_radius()
+}
+
+/// The share of the step after which the body of `row` first comes near another.
+fn first_impact(
+    bodies: &Bodies,
+    shapes: &[Shape],
+    trees: &Index,
+    row: usize,
+    shape: &Shape,
+) -> Option<(usize, f32)> {
+    let end = bodies.positions[row];
+    let start = end - bodies.drifts[row].translation().as_dvec3();
+    let origin = start;
+    // Other bodies' boxes date from the start of the step; they have room for slow motion.
+    let around = bodies.radii[row] + FAST * shape.inner_radius();
+    let area = Aabb::around(start.min(end), start.max(end)).grown(around);
+    let mut near = Vec::new();
+    trees.movers.query(&area, |other| near.push(other as usize));
+    trees.fixed.query(&area, |other| near.push(other as usize));
+    let a = motion(bodies, row, origin);
+    let target = STOP * shape.inner_radius();
+    let ([group, mask], own) = (bodies.filters[row], row);
+    near.iter()
+        .filter(|&&other| {
+            let [others, other_mask] = bodies.filters[other];
+            other != own && group & other_mask != 0 && others & mask != 0
+        })
+        .filter_map(|&other| {
+            let b = shapes.get(bodies.shapes[other] as usize)?;
+            let sweep = Sweep { a, b: motion(bodies, other, origin) };
+            Some(time_of_impact(shape, b, &sweep, target)?.time)
+        })
+        .reduce(f32::min)
+        .map(|time| (row, time))
+}
+
+/// How the body of a row moved in this step, seen from `origin`.
+fn motion(bodies: &Bodies, row: usize, origin: DVec3) -> Motion {
+    let (way, turn) = match bodies.roles[row] {
+        Role::Still => (Vec3::ZERO, Vec3::ZERO),
+        _ => (bodies.drifts[row].translation(), bodies.drifts[row].rotation()),
+    };
+    let back = rotation::from_rotation_vector(-turn);
+    let rotation = Mat3::from_quat(rotation::normalize(rotation::compose(back, bodies.rotations[row])));
+    let center = bodies.centers[row];
+    let place = (bodies.positions[row] - way.as_dvec3() - origin).as_vec3();
+    Motion {
+        start: Isometry { rotation, translation: place - rotation * center },
+        center,
+        translation: way,
+        rotation: turn,
+    }
+}

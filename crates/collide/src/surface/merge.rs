@@ -11,21 +11,39 @@ use rockfall_math::{Isometry, Vec3};
 const SAME: f32 = 0.999_39;
 
 /// Share of A's size from which on a depth needs an explanation.
-const DEEP: f32 = 0.01;
+const DEEP: f32 = 0.004;
+
+/// The contacts that no other triangle explains better.
+pub(super) fn keep(facets: &[Facet], probe: &Probe, touches: &[Touch]) -> Vec<Touch> {
+    let mut in_front = None;
+    let mut dropped = |touch: &Touch| {
+        let facet = &facets[touch.facet];
+        let height = facet.height(probe.center);
+        let buried = height < 0.0 && touch.distance + probe.radius < 0.0;
+        // Whoever is in front of the surface is touched from behind only by what reaches over its edge.
+        let wrong_side = buried
+            && if *in_front
+                .get_or_insert_with(|| nearest(facets, probe.center, probe).height(probe.center) > 0.0)
+            {
+                !crosses(probe.points, facet)
+            } else {
+                height < -probe.limit
+            };
+        wrong_side
+            || explained(facets, probe, touch)
+            || height < 0.0 && opposed(facets, probe, touches, touch)
+    };
+    let mut kept: Vec<Touch> = touches.iter().filter(|t| !dropped(t)).copied().collect();
+    if kept.iter().all(|t| t.distance > 0.0) {
+        // All explanations pointed at each other: where A crosses a triangle, the shallowest contact stays.
+        let rest = touches.iter().filter(|t| t.distance <= 0.0 && crosses(probe.points, &facets[t.facet]));
+        kept.extend(rest.max_by(|a, b| a.distance.total_cmp(&b.distance)));
+    }
+    kept
+}
 
 /// Appends the manifolds that the contacts make, deepest first.
-pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, out: &mut Vec<Manifold>) {
-    let is_behind = |t: &Touch| facets[t.facet].height(probe.center) < 0.0;
-    // Whoever is in front of the surface is not touched from behind.
-    let front =
-        touches.iter().any(is_behind) && nearest(facets, probe.center, probe).height(probe.center) > 0.0;
-    let mut kept: Vec<Touch> = touches
-        .iter()
-        .filter(|t| {
-            !(front && is_behind(t) || explained(facets, probe, t) || opposed(facets, probe, &touches, t))
-        })
-        .copied()
-        .collect();
+pub(super) fn manifolds(facets: &[Facet], probe: &Probe, mut kept: Vec<Touch>, out: &mut Vec<Manifold>) {
     // Deepest first, so that a group takes its normal from its deepest point.
     kept.sort_by(|a, b| {
         a.distance
@@ -61,7 +79,8 @@ pub(super) fn manifolds(facets: &[Facet], probe: &Probe, touches: Vec<Touch>, ou
 /// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
 /// reaches over a ridge does not hang from its far side. A thin wall that was pierced still holds.
 fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
-    if !touch.doubtful || -touch.distance <= DEEP * probe.size {
+    let exact = probe.radius > 0.0 && !touch.doubtful;
+    if exact || -touch.distance <= DEEP * probe.size {
         return false;
     }
     let core = touch.on_a + probe.radius * touch.out;
@@ -70,7 +89,7 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
     let nearest = nearest(facets, core, probe);
     let outside = nearest.height(core) > 0.0;
     outside && (sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
-        || facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
+        || touch.doubtful && facets.iter().any(|other| sees(other) && other.distance(core) < 0.5 * depth)
 }
 
 /// Whether A's core overlaps the triangle.
@@ -78,12 +97,11 @@ fn crosses(core: &[Vec3], facet: &Facet) -> bool {
     matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
 }
 
-/// Whether A's centre is behind the triangle while another one, which it is less behind, pushes it the other way: the
-/// back of a thin wall does not pull a body through.
+/// Whether another triangle, which A's centre is less behind, pushes the other way: the back of a thin wall does not
+/// pull a body through.
 fn opposed(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
     let height = |touch: &Touch| facets[touch.facet].height(probe.center);
-    height(touch) < 0.0
-        && touches.iter().any(|other| height(other) > height(touch) && other.out.dot(touch.out) < 0.0)
+    touches.iter().any(|other| height(other) > height(touch) && other.out.dot(touch.out) < -0.5)
 }
 
 /// The triangle nearest to a point; where several meet in the nearest place, the one that faces it most, which

@@ -2,8 +2,9 @@
 
 use super::facet::{Facet, corner_pushes};
 use super::{Placed, Probe, Surface, Touch};
+use crate::gjk::{Proximity, proximity};
 use crate::poly::Poly;
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{EdgeKind, HullEdge};
 use smallvec::SmallVec;
 
@@ -35,7 +36,7 @@ enum Way {
     Across(usize, usize, Vec3),
 }
 
-/// Contacts of a polyhedron with triangle `i`.
+/// Contacts of a polyhedron with triangle `i`. Whether the two may be within the margin, with contacts or without.
 pub(super) fn touch<S: Surface>(
     placed: &Placed<S>,
     facets: &[Facet],
@@ -43,14 +44,14 @@ pub(super) fn touch<S: Surface>(
     a: &Poly,
     probe: &Probe,
     touches: &mut Vec<Touch>,
-) {
+) -> bool {
     let facet = &facets[i];
     let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
-    if lowest > probe.margin || !probe.sees(facet) {
-        return;
+    if lowest > probe.margin {
+        return false;
     }
     let Some(way) = shortest(placed, facet, a, lowest, probe) else {
-        return;
+        return false;
     };
     let before = touches.len();
     let put = |touch| touches.push(Touch { facet: i, ..touch });
@@ -63,6 +64,35 @@ pub(super) fn touch<S: Surface>(
     if touches.len() == before {
         on_face(facet, i, a, probe, touches);
     }
+    true
+}
+
+/// The nearest points of A and the nearest of `facets`: where a corner is near a corner no axis of a face or of a pair
+/// of edges joins them.
+pub(super) fn nearest<'a>(
+    facets: impl Iterator<Item = (usize, &'a Facet)>,
+    a: &Poly,
+    probe: &Probe,
+) -> Option<Touch> {
+    let mut best: Option<Touch> = None;
+    for (i, facet) in facets {
+        let limit = best.map_or(probe.margin, |touch| touch.distance);
+        let Proximity::Apart(closest) = proximity(a.vertices, &facet.corners, &Isometry::IDENTITY, limit)
+        else {
+            continue;
+        };
+        if facet.height(closest.on_a) > 0.0 && best.is_none_or(|touch| closest.distance < touch.distance) {
+            best = Some(Touch {
+                out: -closest.normal,
+                on_a: closest.on_a,
+                distance: closest.distance,
+                feature: facet.own_feature(6, closest.feature as usize, 0),
+                facet: i,
+                doubtful: false,
+            });
+        }
+    }
+    best
 }
 
 /// The way that needs the least motion, among those that the surface allows; none where A and the triangle are
@@ -203,7 +233,7 @@ fn on_face(facet: &Facet, i: usize, a: &Poly, probe: &Probe, touches: &mut Vec<T
                 distance,
                 feature: facet.shared_feature([k, k], a.vertices.len() + face),
                 facet: i,
-                doubtful: distance < 0.0,
+                doubtful: true,
             });
         }
     }
@@ -311,7 +341,7 @@ fn beyond(facet: &Facet, a: &Poly, edge: usize, probe: &Probe, mut put: impl FnM
         let height = facet.height(v);
         if distance <= probe.margin && height <= probe.margin && facet.holds(v, height) {
             let feature = facet.own_feature(5, edge, k);
-            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: false });
+            put(Touch { out, on_a: v, distance, feature, facet: 0, doubtful: true });
         }
     }
 }

@@ -33,7 +33,7 @@ impl Random {
     /// Any rotation; one time in two, one that puts edges along axes, turned by 1e-8 to 1e-1 radians or not at all.
     pub(crate) fn rotation(&mut self) -> Mat3 {
         let q = if self.word() & 1 == 0 {
-            rotation::from_rotation_vector(self.direction() * self.between(0.0, 3.14))
+            rotation::from_rotation_vector(self.direction() * self.between(0.0, std::f32::consts::PI))
         } else {
             let quarter = |axis: Vec3, turns: u64| {
                 rotation::from_rotation_vector(axis * (turns % 4) as f32 * std::f32::consts::FRAC_PI_2)
@@ -58,7 +58,8 @@ impl Random {
         }
     }
 
-    /// A shape of the class: 0 sphere, 1 box, 2 capsule, 3 hull, 4 half-space.
+    /// A shape of the class: 0 sphere, 1 box, 2 capsule, 3 hull, 4 half-space,
+    /// 5 plate or needle down to 0.3 mm, 6 hull of 16 to 32 corners.
     pub(crate) fn shape(&mut self, class: usize) -> Shape {
         match class {
             0 => Shape::Sphere { radius: self.between(0.2, 1.0) },
@@ -66,12 +67,23 @@ impl Random {
                 half: Vec3::new(self.between(0.1, 1.0), self.between(0.1, 1.0), self.between(0.1, 1.0)),
             },
             2 => Shape::Capsule { half_length: self.between(0.1, 1.0), radius: self.between(0.1, 0.5) },
-            3 if self.word() % 4 == 0 => {
+            3 if self.word().is_multiple_of(4) => {
                 let half = Vec3::new(self.between(0.2, 1.0), self.between(0.2, 1.0), self.between(0.2, 1.0));
                 Shape::Hull(Arc::new(Hull::cuboid(half)))
             }
             3 => {
                 let corners = 5 + (self.word() % 8) as usize;
+                self.hull(corners)
+            }
+            5 => Shape::Box {
+                half: Vec3::new(
+                    10.0_f32.powf(self.between(-3.8, 0.0)),
+                    10.0_f32.powf(self.between(-3.8, 0.0)),
+                    self.between(0.3, 1.0),
+                ),
+            },
+            6 => {
+                let corners = 16 + (self.word() % 17) as usize;
                 self.hull(corners)
             }
             _ => Shape::HalfSpace { normal: self.direction(), offset: self.between(-1.0, 1.0) },

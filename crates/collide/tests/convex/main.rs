@@ -1,4 +1,5 @@
 //! The promises of the convex pair functions.
 
 mod brute_force;
+mod manifolds;
 mod pairs;

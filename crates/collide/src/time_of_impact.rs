@@ -1,0 +1,341 @@
+//! When two moving shapes first come near each other: conservative advancement.
+//!
+//! At any moment the nearest points of two convex sets span a slab that separates them. It closes no faster than
+//! the linear motion along its normal plus what rotation adds at the furthest points, so time may advance by the
+//! width of the slab over that speed without missing anything, and the steps shrink to nothing at the impact (Mirtich,
+//! *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3). A surface is taken triangle by
+//! triangle, along pieces of the path.
+
+use crate::gjk::{Proximity, proximity};
+use crate::poly::BoxPoly;
+use crate::surface::Surface;
+use rockfall_math::{Aabb, Isometry, Mat3, Vec3, rotation};
+use rockfall_shape::Shape;
+use smallvec::SmallVec;
+
+/// Where a body is and how it moves over an interval: its centre on a straight line, at constant speed, the rest around
+/// the centre at a constant angular velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Place at the start, in a frame that both bodies share and whose origin is near them.
+    pub start: Isometry,
+    /// What the body turns around, in its own frame: the centre of mass, metres.
+    pub center: Vec3,
+    /// Way of the centre over the whole interval, metres.
+    pub translation: Vec3,
+    /// Axis times angle turned over the whole interval, radians, in the shared frame.
+    pub rotation: Vec3,
+}
+
+/// How two bodies move over the same interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// Of the first shape, which is convex.
+    pub a: Motion,
+    /// Of the second.
+    pub b: Motion,
+}
+
+/// The first impact of a [`Sweep`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Toi {
+    /// Share of the interval, 0 to 1. Up to here the shapes do not come nearer than the target distance.
+    pub time: f32,
+    /// Unit vector from A to B at that time, in the shared frame.
+    pub normal: Vec3,
+    /// Nearest point of A at that time, in the shared frame.
+    pub point: Vec3,
+    /// Distance at that time, metres; 0 where the shapes overlap from the start.
+    pub distance: f32,
+}
+
+impl Motion {
+    /// A body that stays where it is.
+    pub fn at_rest(start: Isometry) -> Self {
+        Motion { start, center: Vec3::ZERO, translation: Vec3::ZERO, rotation: Vec3::ZERO }
+    }
+
+    /// Place at a time from 0 to 1.
+    pub fn at(&self, time: f32) -> Isometry {
+        let turn = Mat3::from_quat(rotation::from_rotation_vector(self.rotation * time));
+        let rotation = turn * self.start.rotation;
+        Isometry { rotation, translation: self.center_at(time) - rotation * self.center }
+    }
+
+    fn center_at(&self, time: f32) -> Vec3 {
+        self.start.point(self.center) + self.translation * time
+    }
+}
+
+/// The first time at which the convex shape `a` comes within `target_distance` metres of `b`; none if it does not. `b` may
+/// be of any kind.
+///
+/// The answer is never late: at no earlier time are the shapes nearer. It may be early, by rounding, and where two
+/// shapes slide past each other in a gap that is hardly wider than the target.
+///
+/// A pair that is nearer than the target at the start is in contact, which is not the business of this function: it gives
+/// none, unless A moves towards B by more than its own inner radius, which no contact could make good; then the
+/// time is 0. Triangles of a surface stop what comes from their front and would sink into their plane by more than the
+/// target and a quarter of A's inner radius.
+///
+/// None as well where `a` is not convex or a number is not finite.
+pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
+    let finite = [sweep.a, sweep.b].iter().all(|m| {
+        let r = &m.start.rotation;
+        let sum = r.x_axis + r.y_axis + r.z_axis + m.start.translation;
+        (sum + m.center + m.translation + m.rotation).is_finite()
+    });
+    if !finite || target_distance.is_nan() {
+        return None;
+    }
+    let core_a = Core::new(a, &sweep.a)?;
+    let course = Course { sweep, a: &core_a, inner: a.inner_radius(), target: target_distance.max(0.0) };
+    match b {
+        Shape::HalfSpace { normal, offset } => {
+            course.advance(&Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
+        }
+        Shape::Mesh(mesh) => course.surface(&**mesh),
+        Shape::HeightField(field) => course.surface(&**field),
+        _ => {
+            let core_b = Core::new(b, &sweep.b)?;
+            let (points, radius, reach) = (&core_b.points, core_b.radius, core_b.reach);
+            course.advance(&Other::Convex { points, radius, reach, front: None }, 0.0, 1.0)
+        }
+    }
+}
+
+/// Steps of one advance. Each lands on the impact where nothing turns; a turning body takes one to two dozen.
+const MAX_STEPS: usize = 128;
+
+/// Share of A's inner radius that it may sink into a triangle without an impact: contacts push it out again.
+const SUNK: f32 = 0.25;
+
+/// Pieces into which the path is cut to look for triangles.
+const MAX_PIECES: usize = 64;
+
+/// A convex shape as points with a skin.
+struct Core {
+    points: SmallVec<[Vec3; 8]>,
+    radius: f32,
+    /// Largest distance of the surface from the centre of rotation, metres.
+    reach: f32,
+}
+
+impl Core {
+    fn new(shape: &Shape, motion: &Motion) -> Option<Self> {
+        let (points, radius): (SmallVec<[Vec3; 8]>, f32) = match shape {
+            Shape::Sphere { radius } => ([Vec3::ZERO].into_iter().collect(), *radius),
+            Shape::Capsule { half_length, radius } => {
+                let end = Vec3::Z * *half_length;
+                ([-end, end].into_iter().collect(), *radius)
+            }
+            Shape::Box { half } => (BoxPoly::new(*half).poly().vertices.iter().copied().collect(), 0.0),
+            Shape::Hull(hull) => (hull.vertices.iter().copied().collect(), 0.0),
+            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
+        };
+        let reach = radius + furthest(&points, motion.center);
+        Some(Core { points, radius, reach })
+    }
+}
+
+fn furthest(points: &[Vec3], center: Vec3) -> f32 {
+    points.iter().fold(0.0, |far, p| far.max(p.distance(center)))
+}
+
+/// What A may run into.
+enum Other<'a> {
+    HalfSpace {
+        normal: Vec3,
+        offset: f32,
+    },
+    /// Points with a skin; only from the front where there is a front.
+    Convex {
+        points: &'a [Vec3],
+        radius: f32,
+        reach: f32,
+        front: Option<Vec3>,
+    },
+}
+
+/// The nearest points at some time, in the shared frame.
+struct Gap {
+    distance: f32,
+    normal: Vec3,
+    point: Vec3,
+}
+
+struct Course<'a> {
+    sweep: &'a Sweep,
+    a: &'a Core,
+    /// Inner radius of A, metres.
+    inner: f32,
+    target: f32,
+}
+
+impl Course<'_> {
+    /// The first impact between `from` and `until`.
+    fn advance(&self, other: &Other, from: f32, until: f32) -> Option<Toi> {
+        let Sweep { a, b } = self.sweep;
+        let approach = a.translation - b.translation;
+        let apart = (a.center_at(0.0) - b.center_at(0.0))
+            .length()
+            .max((a.center_at(1.0) - b.center_at(1.0)).length());
+        let reach_b = match other {
+            Other::HalfSpace { .. } => apart + self.a.reach,
+            Other::Convex { reach, .. } => *reach,
+        };
+        // What the places are worth, in single precision.
+        let rounding = 1e-6 * (apart + self.a.reach);
+        let target = self.target.max(4.0 * rounding);
+        let tolerance = rounding.max(0.05 * target);
+        let mut time = from;
+        let mut last = None;
+        for _ in 0..MAX_STEPS {
+            let Some(gap) = self.gap(other, time) else {
+                // Overlap: possible at the start only, up to rounding.
+                return if time > 0.0 { last } else { self.overlapping(other) };
+            };
+            if let Other::Convex { front: Some(front), .. } = other {
+                let front = b.at(time).vector(*front);
+                if gap.normal.dot(front) > 1e-3 && gap.distance <= target + tolerance {
+                    return None;
+                }
+            }
+            let closing = approach.dot(gap.normal);
+            let hit = Toi { time, normal: gap.normal, point: gap.point, distance: gap.distance };
+            if gap.distance <= target + tolerance {
+                return (time > 0.0 || closing > self.inner).then_some(hit);
+            }
+            last = Some(hit);
+            let speed = closing
+                + gap.normal.cross(a.rotation).length() * self.a.reach
+                + gap.normal.cross(b.rotation).length() * reach_b;
+            if speed <= 0.0 {
+                return None;
+            }
+            // Rounded down, so that rounding never steps over the target.
+            let step = (gap.distance - target) / (speed * (1.0 + 1e-6));
+            let next = time + step;
+            if next > until {
+                return None;
+            }
+            if next <= time {
+                return last;
+            }
+            time = next;
+        }
+        last
+    }
+
+    /// Nearest points at a time; none where the shapes overlap.
+    fn gap(&self, other: &Other, time: f32) -> Option<Gap> {
+        let (a, b) = (self.sweep.a.at(time), self.sweep.b.at(time));
+        match other {
+            Other::HalfSpace { normal, offset } => {
+                let normal = b.vector(*normal);
+                let height = |p: Vec3| normal.dot(p - b.translation) - offset;
+                let lowest = self
+                    .a
+                    .points
+                    .iter()
+                    .map(|&p| a.point(p))
+                    .min_by(|p, q| height(*p).total_cmp(&height(*q)))?;
+                let distance = height(lowest) - self.a.radius;
+                let point = lowest - self.a.radius * normal;
+                (distance > 0.0).then_some(Gap { distance, normal: -normal, point })
+            }
+            Other::Convex { points, radius, .. } => {
+                let b_in_a = a.inverse().then_after(&b);
+                let Proximity::Apart(closest) = proximity(&self.a.points, points, &b_in_a, f32::INFINITY)
+                else {
+                    return None;
+                };
+                let distance = closest.distance - self.a.radius - radius;
+                let normal = a.vector(closest.normal);
+                let point = a.point(closest.on_a) + self.a.radius * normal;
+                (distance > 0.0).then_some(Gap { distance, normal, point })
+            }
+        }
+    }
+
+    /// Shapes that overlap at the start: an impact only where A goes on through B.
+    fn overlapping(&self, other: &Other) -> Option<Toi> {
+        let Sweep { a, b } = self.sweep;
+        let normal = match other {
+            Other::HalfSpace { normal, .. } => -b.start.vector(*normal),
+            Other::Convex { front: Some(front), .. } => -b.start.vector(*front),
+            Other::Convex { points, .. } => {
+                let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+                (b.start.point(middle) - a.center_at(0.0)).normalize_or(Vec3::Z)
+            }
+        };
+        let closing = (a.translation - b.translation).dot(normal);
+        let point = a.center_at(0.0);
+        (closing > self.inner).then_some(Toi { time: 0.0, normal, point, distance: 0.0 })
+    }
+
+    /// The first impact with a triangle.
+    fn surface<S: Surface>(&self, surface: &S) -> Option<Toi> {
+        let Sweep { a, b } = self.sweep;
+        let length = (a.translation - b.translation).length();
+        let pieces = ((length / (2.0 * self.a.reach)).ceil() as usize).clamp(1, MAX_PIECES);
+        let mut best: Option<Toi> = None;
+        let mut triangles = Vec::new();
+        for piece in 0..pieces {
+            let [from, until] = [piece, piece + 1].map(|k| k as f32 / pieces as f32);
+            triangles.clear();
+            surface.near(&self.passed(from, until), |triangle| triangles.push(triangle));
+            triangles.sort_unstable();
+            for &triangle in &triangles {
+                let corners = surface.corners(triangle);
+                let front = surface.normal(triangle);
+                if self.passes(&corners, front, from, until) {
+                    continue;
+                }
+                let reach = furthest(&corners, b.center);
+                let other = Other::Convex { points: &corners, radius: 0.0, reach, front: Some(front) };
+                let limit = best.map_or(until, |toi| toi.time);
+                if let Some(toi) = self.advance(&other, from, limit)
+                    && best.is_none_or(|first| toi.time < first.time)
+                {
+                    best = Some(toi);
+                }
+            }
+            if best.is_some() {
+                return best;
+            }
+        }
+        None
+    }
+
+    /// Whether a triangle needs no look: A is behind it, or hardly sinks into its plane. What slides over a floor, or
+    /// sank a little into it, must not stop at the rim of each next triangle.
+    fn passes(&self, corners: &[Vec3; 3], front: Vec3, from: f32, until: f32) -> bool {
+        let Sweep { a, b } = self.sweep;
+        let heights = |time: f32| {
+            let place = b.at(time).inverse().then_after(&a.at(time));
+            let heights = self.a.points.iter().map(|&p| front.dot(place.point(p) - corners[0]));
+            heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+        };
+        let ((low, high), (low_after, _)) = (heights(from), heights(until));
+        // Between two times a turning point dips below its chord by no more than the sagitta of its arc.
+        let turn = (a.rotation.length() + b.rotation.length()) * (until - from);
+        let arm = self.a.reach + furthest(corners, b.center);
+        let dip = 0.125 * turn * turn * arm;
+        high + self.a.radius <= 0.0
+            || low.min(low_after) - dip - self.a.radius > -self.target.max(SUNK * self.inner)
+    }
+
+    /// The part of B's frame that A passes through between two times.
+    fn passed(&self, from: f32, until: f32) -> Aabb {
+        let Sweep { a, b } = self.sweep;
+        let ends = [from, until]
+            .map(|time| b.at(from).inverse_point(a.center_at(time) - b.translation * (time - from)));
+        // A turn of B moves A's centre, seen from B, on an arc around B's centre.
+        let arm = ends[0].distance(b.center).max(ends[1].distance(b.center));
+        let turned = b.rotation.length() * (until - from) * arm;
+        let size = ends[0].abs().max(ends[1].abs()).max_element();
+        Aabb::from_points(ends)
+            .grown(self.a.reach + 1.1 * self.target + turned + 1e-5 * (size + self.a.reach))
+    }
+}

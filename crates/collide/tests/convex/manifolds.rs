@@ -1,0 +1,222 @@
+//! What a solver needs of a manifold: it stays as it is while the bodies tremble, and odd places do it no harm.
+
+use crate::brute_force::{Random, manifold, size};
+use rockfall_collide::{Manifold, distance};
+use rockfall_math::{DVec3, Isometry, Mat3, Pose, Quat, Vec3, rotation};
+use rockfall_shape::{Hull, Shape};
+use std::sync::Arc;
+
+fn cuboid(half: Vec3) -> Shape {
+    Shape::Box { half }
+}
+
+fn cuboid_hull(half: Vec3) -> Shape {
+    Shape::Hull(Arc::new(Hull::cuboid(half)))
+}
+
+fn turned(axis: Vec3, angle: f32) -> Quat {
+    rotation::from_rotation_vector(axis.normalize() * angle)
+}
+
+fn at(translation: Vec3, turn: Quat) -> Isometry {
+    Isometry { rotation: Mat3::from_quat(turn), translation }
+}
+
+fn ids(m: &Manifold) -> Vec<u32> {
+    let mut ids: Vec<u32> = m.points().iter().map(|p| p.feature).collect();
+    ids.sort_unstable();
+    ids
+}
+
+/// MuJoCo's `NearAlignedManifold`.
+#[test]
+fn a_cube_on_a_cube_keeps_its_face_and_four_points() {
+    let half = Vec3::splat(0.05);
+    for (a, b) in [
+        (cuboid(half), cuboid(half)),
+        (cuboid_hull(half), cuboid_hull(half)),
+        (cuboid(half), cuboid_hull(half)),
+    ] {
+        let mut names = None;
+        for power in 2..=9 {
+            let tilt = 10.0_f32.powi(-power);
+            let pose = at(Vec3::new(0.0, 0.0, 0.1 - 1e-5), turned(Vec3::new(1.0, 0.5, 3.0), tilt));
+            let m = manifold(&a, &b, &pose, 1e-3).unwrap();
+            assert!((m.normal - Vec3::Z).length() < 1.1 * tilt + 1e-6, "{tilt} {m:?}");
+            if tilt <= 1.1e-4 {
+                assert_eq!(m.count, 4, "{tilt} {m:?}");
+                assert_eq!(*names.get_or_insert(ids(&m)), ids(&m), "{tilt} {m:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn concentric_boxes_part_along_their_thinnest_side() {
+    for turn in [Quat::IDENTITY, turned(Vec3::Z, std::f32::consts::FRAC_PI_2), turned(Vec3::X, 1e-5)] {
+        for (a, b) in
+            [(cuboid(Vec3::ONE), cuboid(Vec3::ONE)), (cuboid_hull(Vec3::ONE), cuboid_hull(Vec3::ONE))]
+        {
+            let m = manifold(&a, &b, &at(Vec3::ZERO, turn), 0.01).unwrap();
+            assert!((m.deepest() + 2.0).abs() < 1e-4, "{m:?}");
+            assert!((m.normal.length() - 1.0).abs() < 1e-6 && m.count >= 1);
+            assert!((distance(&a, &b, &at(Vec3::ZERO, turn)).unwrap().distance + 2.0).abs() < 3e-5);
+        }
+    }
+    // One inside the other.
+    let m = manifold(&cuboid(Vec3::splat(2.0)), &cuboid(Vec3::splat(0.5)), &Isometry::IDENTITY, 0.0).unwrap();
+    assert_eq!(m.deepest(), -2.5);
+}
+
+#[test]
+fn every_pair_at_the_same_place_has_a_finite_manifold() {
+    let mut random = Random(3);
+    for first in 0..5 {
+        for second in 0..5 {
+            for _ in 0..200 {
+                let (a, b) = (random.shape(first), random.shape(second));
+                let pose = Isometry { rotation: random.rotation(), translation: Vec3::ZERO };
+                let Some(m) = manifold(&a, &b, &pose, 10.0) else {
+                    assert!(first == 4 && second == 4);
+                    continue;
+                };
+                assert!((m.normal.length() - 1.0).abs() < 1e-5, "{a:?} {b:?} {m:?}");
+                assert!(m.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite()));
+            }
+        }
+    }
+}
+
+/// Resting places: A, B, and B's pose over A.
+fn resting() -> Vec<(&'static str, Shape, Shape, Isometry)> {
+    let unit = Vec3::splat(0.5);
+    let ground = || Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 };
+    let capsule = || Shape::Capsule { half_length: 0.4, radius: 0.2 };
+    let lying = turned(Vec3::Y, std::f32::consts::FRAC_PI_2);
+    let on = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let quarter = std::f32::consts::FRAC_PI_4;
+    let mut all = vec![
+        ("half on half", cuboid(unit), cuboid(unit), at(on(0.3, 0.2, 1.0), Quat::IDENTITY)),
+        ("cube on its like", cuboid(unit), cuboid(unit), at(on(0.0, 0.0, 1.0), Quat::IDENTITY)),
+        (
+            "brick over a joint",
+            cuboid(on(1.0, 0.5, 0.25)),
+            cuboid(on(1.0, 0.5, 0.25)),
+            at(on(1.0, 0.0, 0.5), Quat::IDENTITY),
+        ),
+        ("turned by 45 degrees", cuboid(unit), cuboid(unit), at(on(0.0, 0.0, 1.0), turned(Vec3::Z, quarter))),
+        (
+            "turned by 20 degrees",
+            cuboid(unit),
+            cuboid(0.8 * unit),
+            at(on(0.1, 0.2, 0.9), turned(Vec3::Z, 0.35)),
+        ),
+        (
+            "on a slab",
+            cuboid(on(50.0, 50.0, 1.0)),
+            cuboid(unit),
+            at(on(20.0, -7.0, 1.5), turned(Vec3::Z, 0.3)),
+        ),
+        ("box on the ground", ground(), cuboid(unit), at(on(3.0, 0.0, 0.5), turned(Vec3::Z, 0.3))),
+        ("capsule on the ground", ground(), capsule(), at(on(3.0, 0.0, 0.2), lying)),
+        (
+            "ball on the ground",
+            ground(),
+            Shape::Sphere { radius: 0.3 },
+            at(on(0.0, 0.0, 0.3), Quat::IDENTITY),
+        ),
+        ("capsule on a box", cuboid(unit), capsule(), at(on(0.0, 0.1, 0.7), lying)),
+        ("long capsule over a box", cuboid(0.5 * unit), capsule(), at(on(0.0, 0.1, 0.45), lying)),
+        ("capsule on a hull", cuboid_hull(unit), capsule(), at(on(0.0, 0.1, 0.7), lying)),
+        ("capsule by capsule", capsule(), capsule(), at(on(0.4, 0.0, 0.1), Quat::IDENTITY)),
+        ("ball on a box", cuboid(unit), Shape::Sphere { radius: 0.3 }, at(on(0.1, 0.1, 0.8), Quat::IDENTITY)),
+        ("edge on edge", cuboid(unit), cuboid(unit), {
+            let turn = rotation::compose(turned(Vec3::Z, 0.9), turned(Vec3::X, quarter));
+            let lean = rotation::compose(turned(Vec3::Y, quarter), turn);
+            at(rotation::rotate(turned(Vec3::Y, quarter), on(0.0, 0.0, 2.0_f32.sqrt())), lean)
+        }),
+    ];
+    for k in 0..6 {
+        let (name, a, b, pose) = all[k].clone();
+        let hull = |shape: &Shape| match shape {
+            Shape::Box { half } => cuboid_hull(*half),
+            other => other.clone(),
+        };
+        all.push((name, hull(&a), hull(&b), pose));
+    }
+    all
+}
+
+#[test]
+fn names_stay_while_a_resting_body_trembles() {
+    let mut random = Random(11);
+    for (name, a, b, rest) in resting() {
+        // Sunk in a little, and apart by less than the margin.
+        for lift in [-1e-3, 1e-3] {
+            let up =
+                if matches!(name, "capsule by capsule") { Vec3::X } else { rest.translation.normalize() };
+            let up = if name == "edge on edge" || name == "capsule by capsule" { up } else { Vec3::Z };
+            let rest = Isometry { translation: rest.translation + lift * up, ..rest };
+            let still = manifold(&a, &b, &rest, 0.01).unwrap_or_else(|| panic!("{name} does not touch"));
+            // Of eight corners, the one that is deepest by a hair takes the place of another.
+            let exchanged = usize::from(name.starts_with("turned"));
+            for _ in 0..200 {
+                let turn = Mat3::from_quat(turned(random.direction(), 1e-4));
+                let moved = Isometry {
+                    rotation: turn * rest.rotation,
+                    translation: rest.translation + 1e-4 * random.direction(),
+                };
+                let m = manifold(&a, &b, &moved, 0.01).unwrap();
+                let same = ids(&m).iter().filter(|id| ids(&still).contains(id)).count();
+                assert_eq!(m.count, still.count, "{name} {lift}: {still:?}\n{m:?}");
+                assert!(same + exchanged >= m.points().len(), "{name} {lift}: {still:?}\n{m:?}");
+                assert!((m.normal - still.normal).length() < 3e-3, "{name} {lift}: {still:?}\n{m:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn flat_contacts_have_four_points_and_lines_two() {
+    for (name, a, b, rest) in resting() {
+        let m = manifold(&a, &b, &rest, 0.01).unwrap();
+        let round = |s: &Shape| matches!(s, Shape::Sphere { .. });
+        let long = |s: &Shape| matches!(s, Shape::Capsule { .. });
+        let wanted = match (&a, &b) {
+            _ if name == "edge on edge" || round(&a) || round(&b) => 1,
+            _ if long(&a) || long(&b) => 2,
+            _ => 4,
+        };
+        assert_eq!(m.count, wanted, "{name}: {m:?}");
+    }
+}
+
+#[test]
+fn the_place_in_the_world_does_not_matter() {
+    let mut random = Random(5);
+    for first in 0..4 {
+        for second in 0..4 {
+            for _ in 0..300 {
+                let (a, b) = (random.shape(first), random.shape(second));
+                let scale = size(&a) + size(&b);
+                let place = |random: &mut Random, reach: f32| Pose {
+                    position: (reach * random.direction()).as_dvec3(),
+                    rotation: turned(random.direction(), random.between(0.0, 3.0)),
+                };
+                let (of_a, of_b) = (place(&mut random, 0.0), place(&mut random, 0.8 * scale));
+                let turn = turned(random.direction(), random.between(0.0, 3.0));
+                let shift = DVec3::new(4.0e5, -1.0e6, 3.0e4);
+                let moved = |p: &Pose| Pose {
+                    position: (turn.as_dquat() * p.position) + shift,
+                    rotation: rotation::normalize(rotation::compose(turn, p.rotation)),
+                };
+                let here = distance(&a, &b, &of_a.see(&of_b)).unwrap();
+                let there = distance(&a, &b, &moved(&of_a).see(&moved(&of_b))).unwrap();
+                assert!(
+                    (here.distance - there.distance).abs() < 5e-6 * scale,
+                    "{a:?}\n{b:?}\n{here:?}\n{there:?}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Continuous detection: nothing is missed, nothing is late.
+
+use rockfall_collide::{Motion, Sweep, Toi, distance, time_of_impact};
+use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, hash, rotation};
+use rockfall_shape::{HeightField, Hull, Mesh, Shape};
+use std::sync::Arc;
+
+/// A stream of numbers.
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        low + (high - low) * ((hash::mix(self.0) >> 40) as f32 / (1_u64 << 24) as f32)
+    }
+
+    fn point(&mut self, reach: f32) -> Vec3 {
+        Vec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
+    }
+
+    fn turn(&mut self) -> Quat {
+        let v = self.point(1.0);
+        rotation::normalize(Quat::from_xyzw(v.x, v.y, v.z, self.between(-1.0, 1.0)))
+    }
+}
+
+fn at(position: Vec3, turn: Quat) -> Isometry {
+    Isometry { rotation: Mat3::from_quat(turn), translation: position }
+}
+
+fn moving(start: Isometry, translation: Vec3, rotation: Vec3) -> Motion {
+    Motion { translation, rotation, ..Motion::at_rest(start) }
+}
+
+/// A closed box as a mesh.
+fn slab(half: Vec3) -> Mesh {
+    let hull = Hull::cuboid(half);
+    let mut triangles = Vec::new();
+    for f in 0..hull.normals.len() {
+        let face = hull.face(f);
+        triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
+    }
+    Mesh::from_triangles(&hull.vertices, &triangles).expect("a slab")
+}
+
+fn walls() -> Vec<Shape> {
+    let half = Vec3::new(2.0, 2.0, 0.0005);
+    vec![
+        Shape::Box { half },
+        Shape::Hull(Arc::new(Hull::cuboid(half))),
+        Shape::Mesh(Arc::new(slab(half))),
+        Shape::HalfSpace { normal: Vec3::Z, offset: 0.0005 },
+        Shape::HeightField(Arc::new(
+            HeightField::new(5, 5, Vec2::ONE, vec![0.0005; 25]).expect("a flat field"),
+        )),
+    ]
+}
+
+#[test]
+fn no_bullet_passes_a_wall_of_a_millimetre() {
+    let mut random = Random(1);
+    let target = 1e-4;
+    for wall in &walls() {
+        for speed in [10.0_f32, 100.0, 1000.0, 5000.0] {
+            for (k, bullet) in [
+                Shape::Sphere { radius: 0.005 },
+                Shape::Box { half: Vec3::splat(0.005) },
+                Shape::Capsule { half_length: 0.01, radius: 0.005 },
+            ]
+            .iter()
+            .enumerate()
+            {
+                for _ in 0..20 {
+                    let way = speed / 60.0;
+                    let over = Vec3::new(random.between(-0.9, 0.9), random.between(-0.9, 0.9), 0.0);
+                    let height = random.between(0.02, 0.95 * way.min(60.0));
+                    // Not square to the wall, and through a place on it.
+                    let lean =
+                        Vec3::new(random.between(-0.01, 0.01), random.between(-0.01, 0.01), -1.0).normalize();
+                    let start = over - lean * height;
+                    let turn = if k == 0 { Quat::IDENTITY } else { random.turn() };
+                    let sweep = Sweep {
+                        a: moving(at(start, turn), lean * way, Vec3::ZERO),
+                        b: Motion::at_rest(Isometry::IDENTITY),
+                    };
+                    let toi = time_of_impact(bullet, wall, &sweep, target).expect("an impact");
+                    // The lowest point of the bullet is the target above the wall, by closed form.
+                    let low = match bullet {
+                        Shape::Sphere { radius } => *radius,
+                        Shape::Box { half } => {
+                            half.x * sweep.a.start.rotation.transpose().z_axis.abs().element_sum()
+                        }
+                        Shape::Capsule { half_length, radius } => {
+                            radius + half_length * sweep.a.start.rotation.z_axis.z.abs()
+                        }
+                        _ => unreachable!(),
+                    };
+                    let exact = (start.z - low - 0.0005) / -(lean.z * way);
+                    let tolerance = (2.0 * target + 2e-6 * way) / way;
+                    assert!(
+                        toi.time <= exact,
+                        "{} at {speed}: {} is later than {exact}",
+                        wall.name(),
+                        toi.time
+                    );
+                    assert!(
+                        toi.time >= exact - tolerance,
+                        "{} at {speed}: {} is before {exact}",
+                        wall.name(),
+                        toi.time
+                    );
+                    assert!((toi.normal + Vec3::Z).length() < 1e-3, "{toi:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_starts_behind_a_surface_may_leave_it() {
+    let wall = Shape::Mesh(Arc::new(slab(Vec3::new(2.0, 2.0, 0.5))));
+    let sweep = Sweep {
+        a: moving(Isometry::IDENTITY, Vec3::Z * 5.0, Vec3::ZERO),
+        b: Motion::at_rest(Isometry::IDENTITY),
+    };
+    assert_eq!(time_of_impact(&Shape::Sphere { radius: 0.1 }, &wall, &sweep, 1e-3), None);
+}
+
+#[test]
+fn what_slides_over_a_floor_is_not_stopped_by_its_seams() {
+    let field = HeightField::new(41, 41, Vec2::splat(0.25), vec![0.0; 1681]).expect("a floor");
+    let floor = Shape::HeightField(Arc::new(field));
+    for (shape, height) in
+        [(Shape::Sphere { radius: 0.1 }, 0.1), (Shape::Box { half: Vec3::splat(0.1) }, 0.1)]
+    {
+        for sunk in [-0.002, 0.0, 0.002, 0.01] {
+            let start = at(Vec3::new(-3.0, 0.013, height - sunk), Quat::IDENTITY);
+            let sweep =
+                Sweep { a: moving(start, Vec3::X * 6.0, Vec3::ZERO), b: Motion::at_rest(Isometry::IDENTITY) };
+            assert_eq!(time_of_impact(&shape, &floor, &sweep, 1e-3), None, "{} sunk {sunk}", shape.name());
+        }
+    }
+}
+
+/// Distances along the way, in many steps.
+fn check_by_sampling(what: &str, a: &Shape, b: &Shape, sweep: &Sweep, target: f32, toi: Option<Toi>) -> bool {
+    let gap = |t: f32| {
+        let b_in_a = sweep.a.at(t).inverse().then_after(&sweep.b.at(t));
+        distance(a, b, &b_in_a).expect("a convex pair").distance
+    };
+    if gap(0.0) <= 1.1 * target {
+        return false;
+    }
+    let end = toi.map_or(1.0, |toi| toi.time);
+    for k in 0..200 {
+        let t = end * k as f32 / 200.0;
+        assert!(gap(t) > 0.9 * target, "{what}: {} apart at {t} before {toi:?}", gap(t));
+    }
+    if let Some(toi) = toi {
+        let there = gap(toi.time);
+        assert!(there > 0.9 * target && there < 1.1 * target + 1e-5, "{what}: {there} apart at {toi:?}");
+        assert!((there - toi.distance).abs() < 1e-5);
+    }
+    toi.is_some()
+}
+
+#[test]
+fn random_casts_agree_with_dense_sampling() {
+    let mut random = Random(5);
+    let points: Vec<Vec3> = (0..20).map(|_| random.point(1.0).normalize_or(Vec3::X) * 0.5).collect();
+    let shapes = [
+        Shape::Sphere { radius: 0.3 },
+        Shape::Box { half: Vec3::new(0.5, 0.1, 0.3) },
+        Shape::Capsule { half_length: 0.6, radius: 0.05 },
+        Shape::Hull(Arc::new(Hull::from_points(&points).expect("a hull"))),
+        Shape::HalfSpace { normal: Vec3::Z, offset: -0.5 },
+    ];
+    let mut hits = 0;
+    for (i, a) in shapes[..4].iter().enumerate() {
+        for (j, b) in shapes.iter().enumerate() {
+            for round in 0..30 {
+                let start = random.point(1.0).normalize_or(Vec3::Z) * 3.0;
+                let start = if j == 4 { Vec3::new(start.x, start.y, start.z.abs()) } else { start };
+                let way = -start * random.between(0.5, 2.0) + random.point(0.6);
+                let spin = random.point(4.0);
+                let other = if j == 4 { Vec3::ZERO } else { random.point(3.0) };
+                let sweep = Sweep {
+                    a: Motion { center: random.point(0.2), ..moving(at(start, random.turn()), way, spin) },
+                    b: moving(
+                        at(Vec3::ZERO, if j == 4 { Quat::IDENTITY } else { random.turn() }),
+                        random.point(0.3) * (other * 0.3),
+                        other,
+                    ),
+                };
+                let toi = time_of_impact(a, b, &sweep, 1e-3);
+                hits +=
+                    usize::from(check_by_sampling(&format!("{i} on {j}, {round}"), a, b, &sweep, 1e-3, toi));
+            }
+        }
+    }
+    assert!(hits > 200, "{hits} hits");
+}
+
+#[test]
+fn a_spinning_rod_does_not_pass_a_plate() {
+    let mut random = Random(7);
+    let rod = Shape::Capsule { half_length: 1.0, radius: 0.01 };
+    let half = Vec3::new(0.5, 0.5, 0.0005);
+    let plate = Shape::Box { half };
+    let as_mesh = Shape::Mesh(Arc::new(slab(half)));
+    let mut hits = 0;
+    for round in 0..60 {
+        // The centre stays beside the plate, the ends sweep through it.
+        let start = at(
+            Vec3::new(random.between(-0.3, 0.3), random.between(-0.3, 0.3), random.between(0.1, 0.6)),
+            rotation::between(Vec3::Z, Vec3::X),
+        );
+        let spin = Vec3::new(random.between(-0.3, 0.3), random.between(1.0, 6.0), random.between(-0.3, 0.3));
+        let sweep =
+            Sweep { a: moving(start, random.point(0.05), spin), b: Motion::at_rest(Isometry::IDENTITY) };
+        let toi = time_of_impact(&rod, &plate, &sweep, 1e-3);
+        hits += usize::from(check_by_sampling(&format!("round {round}"), &rod, &plate, &sweep, 1e-3, toi));
+        let by_mesh = time_of_impact(&rod, &as_mesh, &sweep, 1e-3);
+        let (toi, by_mesh) = (toi.map(|t| t.time), by_mesh.map(|t| t.time));
+        assert!(toi.is_some() == by_mesh.is_some(), "{toi:?} {by_mesh:?}");
+        if let (Some(toi), Some(by_mesh)) = (toi, by_mesh) {
+            assert!((toi - by_mesh).abs() < 1e-3, "{toi} {by_mesh}");
+        }
+    }
+    assert!(hits > 30, "{hits} hits");
+}
+
+#[test]
+fn strange_numbers_have_no_impact() {
+    let ball = Shape::Sphere { radius: 1.0 };
+    let rest = Motion::at_rest(Isometry::IDENTITY);
+    let start = at(Vec3::Z * 5.0, Quat::IDENTITY);
+    for bad in [f32::NAN, f32::INFINITY] {
+        for motion in
+            [moving(start, Vec3::splat(bad), Vec3::ZERO), moving(start, Vec3::ZERO, Vec3::splat(bad))]
+        {
+            for other in walls() {
+                assert_eq!(time_of_impact(&ball, &other, &Sweep { a: motion, b: rest }, 1e-3), None);
+            }
+        }
+    }
+    let sweep = Sweep { a: moving(start, Vec3::Z * -9.0, Vec3::ZERO), b: rest };
+    assert_eq!(time_of_impact(&ball, &ball, &sweep, f32::NAN), None);
+    assert_eq!(time_of_impact(&walls()[2], &ball, &sweep, 1e-3), None);
+    assert!(time_of_impact(&ball, &ball, &sweep, 1e-3).is_some());
+}
