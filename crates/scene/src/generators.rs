@@ -82,7 +82,7 @@ pub(crate) fn kind_of(table: &Table) -> &'static GeneratorKind {
 /// Checks a generator; `root` is the whole scene.
 pub(crate) fn check(table: &Table, root: &Table) -> Result<(), Problem> {
     (kind_of(table).check)(table)?;
-    if let Some(size) = table.table("size")
+    if let Some(size) = table.spec.key("size").and_then(|_| table.table("size"))
         && size.f64("min") > size.f64("max")
     {
         let message = format!("`{}` is larger than `max`", size.path_of("min"));

@@ -19,6 +19,7 @@ mod load;
 mod manual;
 mod memory;
 pub mod mesh_file;
+mod nesting;
 mod node;
 mod noise;
 mod plan;

@@ -7,7 +7,6 @@ use crate::node::{Table, Value};
 use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
 use crate::sizes::Sizes;
-use crate::source::Sources;
 use rockfall::{Material, Shape};
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,7 +49,6 @@ pub(crate) struct Choices {
 pub(crate) struct Yard<'a> {
     pub(crate) seed: u64,
     root: &'a Table,
-    sources: &'a Sources,
     /// Shapes as described, cooked when they are first used, by their order in the file.
     families: BTreeMap<usize, Vec<Shape>>,
     /// Shapes in use by family, member and the bits of the scale.
@@ -62,12 +60,11 @@ pub(crate) struct Yard<'a> {
 }
 
 /// Lays out the scene `root`.
-pub(crate) fn plan(root: &Table, seed: u64, sources: &Sources) -> Result<Plan, Problem> {
+pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
     let materials = root.named("materials").map(|(_, table)| crate::root::material(table)).collect();
     let mut yard = Yard {
         seed,
         root,
-        sources,
         families: BTreeMap::new(),
         known: BTreeMap::new(),
         balls: Vec::new(),
@@ -137,7 +134,7 @@ impl Yard<'_> {
             return Err(Problem::at(table.span, format!("no shape is called `{name}`")));
         };
         if !self.families.contains_key(&index) {
-            let context = Cook { seed: self.seed, sources: self.sources };
+            let context = Cook { seed: self.seed };
             let shapes = (shapes::kind_of(shape).cook)(shape, &context)?;
             self.families.insert(index, shapes);
         }

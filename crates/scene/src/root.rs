@@ -223,3 +223,18 @@ pub(crate) fn material(table: &Table) -> Material {
         restitution_mix: mix("restitution_mix"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn defaults_are_those_of_the_library() {
+        let text =
+            "[materials.rock]\n[shapes.ball]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"ball\"\n";
+        let scene = Scene::parse(text, "x", ".").unwrap();
+        assert_eq!(scene.settings, Settings::default());
+        assert_eq!(scene.plan().unwrap().materials, [Material::default(), Material::default()]);
+    }
+}

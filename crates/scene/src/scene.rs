@@ -118,7 +118,7 @@ impl Scene {
     /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
     /// generators. It reads back as an equal scene.
     pub fn to_toml_filled(&self) -> String {
-        write::scene(&self.root, &self.sources)
+        write::scene(&self.root)
     }
 
     /// Id, name, shape and scale of every body, those included that will be poured. [`Running::body_table`] has the
@@ -162,8 +162,12 @@ impl Scene {
                 memory::human(memory),
                 memory::human(available)
             );
-            return Err(SceneError::one(Problem::new(message).expecting("fewer bodies"), &self.sources));
+            let problem = match memory::largest(&self.root) {
+                Some(generator) => Problem::at(generator.span, message),
+                None => Problem::new(message),
+            };
+            return Err(SceneError::one(problem.expecting("fewer bodies"), &self.sources));
         }
-        plan(&self.root, self.seed, &self.sources).map_err(|p| SceneError::one(p, &self.sources))
+        plan(&self.root, self.seed).map_err(|p| SceneError::one(p, &self.sources))
     }
 }

@@ -36,7 +36,7 @@ fn folder(number: usize) -> PathBuf {
 fn contents(text: &str) -> Vec<u8> {
     match text.trim() {
         "(binary garbage)" => (0..4096u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect(),
-        "(17 MiB of comment)" => [b"# and so on\n".as_slice(); 1 << 17].concat().repeat(12),
+        "(17 MiB of comment)" => b"# and so on\n".repeat(1_500_000),
         "(ten thousand brackets)" => [b"x = ".as_slice(), &[b'['; 10_000]].concat(),
         _ => text.as_bytes().to_vec(),
     }

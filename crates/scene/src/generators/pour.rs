@@ -142,3 +142,51 @@ impl Pour {
         away.length() < radius + self.gap
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+
+    const POUR: &str = "[shapes.ball]\nkind = \"sphere\"\nradius = 0.2\n[[generators]]\nkind = \"pour\"\n\
+        shape = \"ball\"\ncount = 100\nrate = 90\nstart = 0.5\nregion = { min = [-2, -2, 9], max = [2, 2, 11] }\n\
+        velocity = [0, 0, -5]\n[[generators]]\nkind = \"container\"\nsize = [5, 5, 5]\n";
+
+    #[test]
+    fn bodies_come_at_their_rate_and_last_in_the_table() {
+        let scene = Scene::parse(POUR, "pour.toml", ".").unwrap();
+        let plan = scene.plan().unwrap();
+        assert_eq!(plan.pours[0].rows, 5..105);
+        let due: Vec<usize> = (0..200).map(|frame| plan.pours[0].due(frame, 60.0)).collect();
+        assert_eq!((due[28], due[29], due[30], due[31]), (0, 0, 1, 3));
+        assert_eq!((due[89], due[199]), (90, 100));
+    }
+
+    #[test]
+    fn poured_bodies_never_overlap_at_emission() {
+        let mut running = Scene::parse(POUR, "pour.toml", ".").unwrap().build().unwrap();
+        for frame in 0..120 {
+            let emitted = running.before_step(frame).unwrap();
+            let poses = running.world.poses();
+            for a in poses.len() - emitted..poses.len() {
+                for b in 5..a {
+                    assert!((poses[a].position - poses[b].position).length() >= 0.4 - 1e-6);
+                }
+            }
+            running.world.step();
+        }
+        assert_eq!((running.world.len(), running.waiting()), (105, 0));
+    }
+
+    #[test]
+    fn bodies_without_room_wait() {
+        let text = "[world]\ngravity = [0, 0, 0]\n[shapes.ball]\nkind = \"sphere\"\nradius = 0.5\n[[generators]]\n\
+            kind = \"pour\"\nshape = \"ball\"\ncount = 10\nrate = 600\nregion = { min = [0, 0, 0], max = [2.5, 1.1, 1.1] }\n";
+        let mut running = Scene::parse(text, "pour.toml", ".").unwrap().build().unwrap();
+        for frame in 0..5 {
+            running.before_step(frame).unwrap();
+            running.world.step();
+        }
+        assert!((1..=2).contains(&running.world.len()));
+        assert_eq!(running.world.len() + running.waiting(), 10);
+    }
+}

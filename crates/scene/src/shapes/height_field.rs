@@ -62,7 +62,7 @@ fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
+fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
     let (key, columns, rows, spacing, heights) = if let Some(keys) = table.table("terrain") {
         let grid = terrain::heights(keys, context.seed, &table.path);
         ("terrain", grid.columns, grid.rows, grid.spacing, grid.heights)
