@@ -20,7 +20,7 @@ const SHIPPED: [(&str, u64); 10] = [
     ("hull-pile", 10_005),
     ("bunny-drop", 205),
     ("impulse", 16),
-    ("reflect", 74),
+    ("reflect", 80),
 ];
 
 fn load(name: &str) -> Scene {
