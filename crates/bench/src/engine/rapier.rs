@@ -70,7 +70,7 @@ impl Engine for Rapier {
 }
 
 fn place(pose: &Pose) -> Place {
-    Place { rotation: pose.rotation, translation: pose.position.as_vec3() }
+    Place::from_parts(pose.position.as_vec3(), pose.rotation)
 }
 
 fn shared(shape: &Shape) -> Result<SharedShape, Error> {
