@@ -33,6 +33,8 @@ pub(crate) struct Line {
     pub(crate) escaped: usize,
     pub(crate) kinetic_joule: f64,
     pub(crate) rms_speed_mm_per_s: f64,
+    /// Bodies faster than 50 mm/s.
+    pub(crate) moving: usize,
     pub(crate) top_drop_mm: Option<f64>,
     /// Peak memory of the engine by the number of bodies.
     pub(crate) bytes_per_body: Option<f64>,
@@ -111,6 +113,7 @@ fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Res
         escaped: outcomes.iter().map(|o| o.quality.escaped).max().unwrap_or(0),
         kinetic_joule: of(&|o| o.quality.kinetic),
         rms_speed_mm_per_s: of(&|o| 1e3 * o.quality.rms_speed),
+        moving: of(&|o| o.quality.moving as f64) as usize,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
         bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
         stages: run.blocks.first().map_or(Vec::new(), |b| {

@@ -24,14 +24,19 @@ pub(crate) struct Quality {
     pub(crate) kinetic: f64,
     /// √(2 E / M): the speed at which the whole mass would have that energy, m/s.
     pub(crate) rms_speed: f64,
+    /// Bodies whose centre of mass is faster than [`MOVING`].
+    pub(crate) moving: usize,
     /// How far the top has sunk since the start, millimetres.
     pub(crate) top_drop_mm: Option<f64>,
 }
 
+/// m/s. Faster than anything that an engine would let fall asleep.
+const MOVING: f64 = 0.05;
+
 /// Judges `after`; `before` are the poses one step earlier. Both in the order of the scene's bodies.
 pub(crate) fn measure(scene: &Scene, before: &[Pose], after: &[Pose]) -> Quality {
     let depths = depths(scene, after);
-    let (kinetic, mass) = kinetic(scene, before, after);
+    let Motion { kinetic, mass, moving } = motion(scene, before, after);
     let top = scene.top.map(|i| scene.bodies[i].pose.position.z - after[i].position.z);
     Quality {
         overlapping: depths.len(),
@@ -41,6 +46,7 @@ pub(crate) fn measure(scene: &Scene, before: &[Pose], after: &[Pose]) -> Quality
         escaped: after.iter().filter(|pose| has_escaped(scene, pose)).count(),
         kinetic,
         rms_speed: if mass > 0.0 { (2.0 * kinetic / mass).sqrt() } else { 0.0 },
+        moving,
         top_drop_mm: top.map(|drop| 1e3 * drop),
     }
 }
@@ -100,12 +106,21 @@ fn depths(scene: &Scene, poses: &[Pose]) -> Vec<f64> {
     depths
 }
 
-/// Kinetic energy (J) and mass (kg) of the bodies with finite poses.
-fn kinetic(scene: &Scene, before: &[Pose], after: &[Pose]) -> (f64, f64) {
+/// Of the bodies with finite poses.
+#[derive(Default)]
+struct Motion {
+    /// J.
+    kinetic: f64,
+    /// kg.
+    mass: f64,
+    moving: usize,
+}
+
+fn motion(scene: &Scene, before: &[Pose], after: &[Pose]) -> Motion {
     let rate = f64::from(scene::RATE);
-    let moving = scene.bodies.iter().zip(before.iter().zip(after));
-    let mut sums = (0.0, 0.0);
-    for (body, (old, new)) in moving.filter(|(_, (old, new))| is_finite(old) && is_finite(new)) {
+    let pairs = scene.bodies.iter().zip(before.iter().zip(after));
+    let mut sums = Motion::default();
+    for (body, (old, new)) in pairs.filter(|(_, (old, new))| is_finite(old) && is_finite(new)) {
         let Some(solid) = scene.shapes[body.shape].mass_properties(scene::DENSITY) else { continue };
         let mass = f64::from(solid.mass);
         let velocity = (new.point(solid.center) - old.point(solid.center)) * rate;
@@ -117,8 +132,10 @@ fn kinetic(scene: &Scene, before: &[Pose], after: &[Pose]) -> (f64, f64) {
         let spin = axis.normalize_or_zero() * (angle * rate * w.signum());
         let axes = Mat3::from_quat(new.rotation).as_dmat3();
         let local = axes.transpose() * spin;
-        let energy = 0.5 * (mass * velocity.length_squared() + local.dot(solid.inertia.as_dmat3() * local));
-        sums = (sums.0 + energy, sums.1 + mass);
+        sums.kinetic +=
+            0.5 * (mass * velocity.length_squared() + local.dot(solid.inertia.as_dmat3() * local));
+        sums.mass += mass;
+        sums.moving += usize::from(velocity.length() > MOVING);
     }
     sums
 }
@@ -203,6 +220,7 @@ mod tests {
         let expected = 0.5 * mass * (speed * speed + spin * spin / 6.0);
         assert!((q.kinetic / expected - 1.0).abs() < 1e-4, "{q:?} {expected}");
         assert!((q.rms_speed - (2.0 * expected / mass).sqrt()).abs() < 1e-3);
+        assert_eq!((q.moving, measure(&scene, &before, &before).moving), (1, 0));
     }
 
     #[test]

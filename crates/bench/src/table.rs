@@ -9,8 +9,8 @@ use std::path::Path;
 
 const HEAD: &str = "\
 | scene | bodies | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
-penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | top sunk, mm | KB per body |
-|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
+penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk, mm | KB per body |
+|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
 /// The table, as the program prints it.
@@ -34,6 +34,7 @@ pub(crate) fn markdown(lines: &[Line]) -> String {
             l.overlapping_pairs.to_string(),
             l.escaped.to_string(),
             format!("{:.1}", l.rms_speed_mm_per_s),
+            l.moving.to_string(),
             or_dash(l.top_drop_mm, 0),
             or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
         ];
@@ -119,6 +120,7 @@ mod tests {
             escaped: 0,
             kinetic_joule: 0.5,
             rms_speed_mm_per_s: 3.25,
+            moving: 4,
             top_drop_mm: Some(740.4),
             bytes_per_body: Some(2456.0),
             stages: vec![("touch".to_owned(), 3.0), ("link".to_owned(), 0.0)],
@@ -129,8 +131,10 @@ mod tests {
     fn every_row_of_the_table_has_every_column() {
         let text = markdown(&[sample("a"), sample("b")]);
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
-        assert_eq!(columns, [15; 4]);
-        assert!(text.contains("| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 740 | 2.46 |"));
+        assert_eq!(columns, [16; 4]);
+        assert!(
+            text.contains("| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 | 2.46 |")
+        );
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
     }
 
