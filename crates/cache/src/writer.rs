@@ -124,13 +124,8 @@ impl RunWriter {
         if sent { Ok(()) } else { Err(self.join().err().unwrap_or(Error::WriterGone(self.folder.clone()))) }
     }
 
-    /// Time that [`RunWriter::push`] has waited for a place in the queue so far.
-    pub fn waited(&self) -> Duration {
-        self.waited
-    }
-
     /// Writes what is in the queue and ends the thread. The run is complete when its last [`Summary`] is written
-    /// after this; see [`RunWriter::path`].
+    /// after this.
     ///
     /// # Errors
     /// The one that ended the writing.

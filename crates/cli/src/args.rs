@@ -126,10 +126,10 @@ fn lanes(text: &str) -> Result<usize, String> {
 /// A hash as the program prints it.
 fn hash(text: &str) -> Result<u64, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
-    if digits.len() != 16 {
-        return Err("expected 16 hexadecimal digits".into());
-    }
-    u64::from_str_radix(digits, 16).map_err(|_| "expected 16 hexadecimal digits".into())
+    let value = u64::from_str_radix(digits, 16).ok();
+    // A sign is no digit, though the parser takes one.
+    let well_formed = digits.len() == 16 && digits.chars().all(|c| c.is_ascii_hexdigit());
+    value.filter(|_| well_formed).ok_or_else(|| "expected 16 hexadecimal digits".into())
 }
 
 #[cfg(test)]

@@ -27,10 +27,10 @@ impl Failure {
     /// Says what went wrong, on standard error, and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         match self {
-            Failure::Run(text) => say::error(&format!("error: {text}")),
+            Failure::Run(text) => say::error(&format!("Error: {text}")),
             Failure::Scene(text) => say::error(text.trim_end()),
             Failure::Hash { expected, found } => {
-                say::error(&format!("error: the hash is {found:016x}, expected {expected:016x}"));
+                say::error(&format!("Error: the hash is {found:016x}, expected {expected:016x}"));
             }
             Failure::Interrupted => {}
         }

@@ -5,7 +5,7 @@ use crate::exit::Failure;
 use crate::open;
 use rockfall::math::DVec3;
 use rockfall::{StepReport, World};
-use rockfall_cache::{BodyTable, Frame, RunFolder, RunWriter, SUMMARY, Summary};
+use rockfall_cache::{BodyTable, Frame, RunFolder, RunWriter, Summary};
 use rockfall_scene::{Running, Scene};
 use std::path::Path;
 use std::time::Duration;
@@ -68,19 +68,9 @@ impl Output {
         self.writer.path()
     }
 
-    /// Time that the simulation waited for the disk.
-    pub(crate) fn waited(&self) -> Duration {
-        self.writer.waited()
-    }
-
-    /// Waits for what is still to be written, then says how the run ended.
-    pub(crate) fn finish(self, summary: &Summary) -> Result<(), Failure> {
-        let path = self.writer.path().join(SUMMARY);
-        let written = self.writer.finish();
-        // Even when the disk refused poses it may take the few bytes that say so.
-        let told = summary.write(&path);
-        written?;
-        Ok(told?)
+    /// Waits for what is still to be written, and says how long the simulation had to wait for the disk.
+    pub(crate) fn finish(self) -> Result<Duration, Failure> {
+        Ok(self.writer.finish()?.waited)
     }
 }
 

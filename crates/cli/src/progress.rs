@@ -37,7 +37,8 @@ impl Progress {
             Look::Quiet
         } else if stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(frames), ProgressDrawTarget::stderr());
-            let template = "{bar:24} {human_pos}/{human_len}  ETA {eta}  {wide_msg}";
+            // Two lines, so that all of it fits a terminal of 80 columns.
+            let template = "{bar:40} {human_pos}/{human_len}  ETA {eta}\n{wide_msg}";
             // The template is a constant; were it wrong, the default style would do.
             bar.set_style(ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar()));
             Look::Bar(bar)

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::stop::Stop;
 use crate::summary::{self, Tally};
 use crate::{open, say, units};
-use rockfall_cache::{Status, Summary};
+use rockfall_cache::{SUMMARY, Status, Summary};
 use rockfall_scene::Running;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -41,19 +41,21 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     });
     progress.finish();
 
-    summary.status = *ended.as_ref().unwrap_or(&Status::Failed);
-    summary.hash = format!("{:016x}", running.world.hash());
-    let waited = output.as_ref().map_or(Duration::ZERO, Output::waited);
-    tally.fill(&mut summary, waited, running.world.memory());
-    let saved = output.map_or(Ok(()), |output| output.finish(&summary));
+    let written = output.map_or(Ok(Duration::ZERO), Output::finish);
+    let complete = ended.as_ref().ok().filter(|_| written.is_ok());
+    summary.status = complete.copied().unwrap_or(Status::Failed);
+    let hash = running.world.hash();
+    summary.hash = format!("{hash:016x}");
+    tally.fill(&mut summary, *written.as_ref().unwrap_or(&Duration::ZERO), running.world.memory());
+    // Even a disk that refused poses may take the few bytes that say so.
+    let told = folder.as_ref().map_or(Ok(()), |path| summary.write(&path.join(SUMMARY)));
     let status = ended?;
-    saved?;
+    written?;
+    told?;
     show(args, &summary, folder);
     match args.expect_hash {
         _ if status == Status::Interrupted => Err(Failure::Interrupted),
-        Some(expected) if expected != running.world.hash() => {
-            Err(Failure::Hash { expected, found: running.world.hash() })
-        }
+        Some(expected) if expected != hash => Err(Failure::Hash { expected, found: hash }),
         _ => Ok(()),
     }
 }

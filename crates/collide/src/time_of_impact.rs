@@ -289,7 +289,7 @@ impl Course<'_> {
             for &triangle in &triangles {
                 let corners = surface.corners(triangle);
                 let front = surface.normal(triangle);
-                if self.passes(&corners, front, from, until) {
+                if self.passes(&corners, front, from) {
                     continue;
                 }
                 let reach = furthest(&corners, b.center);
@@ -308,18 +308,18 @@ impl Course<'_> {
         None
     }
 
-    /// Whether a triangle needs no look: A is behind it, or hardly sinks into its plane. What slides over a floor, or
+    /// Whether a triangle needs no look from here on: A is behind it, or hardly sinks into its plane until the end. What slides over a floor, or
     /// sank a little into it, must not stop at the rim of each next triangle.
-    fn passes(&self, corners: &[Vec3; 3], front: Vec3, from: f32, until: f32) -> bool {
+    fn passes(&self, corners: &[Vec3; 3], front: Vec3, from: f32) -> bool {
         let Sweep { a, b } = self.sweep;
         let heights = |time: f32| {
             let place = b.at(time).inverse().then_after(&a.at(time));
             let heights = self.a.points.iter().map(|&p| front.dot(place.point(p) - corners[0]));
             heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
         };
-        let ((low, high), (low_after, _)) = (heights(from), heights(until));
+        let ((low, high), (low_after, _)) = (heights(from), heights(1.0));
         // Between two times a turning point dips below its chord by no more than the sagitta of its arc.
-        let turn = (a.rotation.length() + b.rotation.length()) * (until - from);
+        let turn = (a.rotation.length() + b.rotation.length()) * (1.0 - from);
         let arm = self.a.reach + furthest(corners, b.center);
         let dip = 0.125 * turn * turn * arm;
         high + self.a.radius <= 0.0

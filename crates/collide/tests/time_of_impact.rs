@@ -249,3 +249,52 @@ fn strange_numbers_have_no_impact() {
     assert_eq!(time_of_impact(&walls()[2], &ball, &sweep, 1e-3), None);
     assert!(time_of_impact(&ball, &ball, &sweep, 1e-3).is_some());
 }
+
+#[test]
+fn a_bullet_stops_on_rough_terrain_where_parry_sees_it_touch() {
+    use parry3d::math::Pose;
+    use parry3d::shape::{Ball, TriMesh};
+    let mut random = Random(11);
+    let heights: Vec<f32> = (0..400).map(|_| random.between(-0.4, 0.4)).collect();
+    let field = HeightField::new(20, 20, Vec2::splat(0.5), heights).expect("hills");
+    let triangles: Vec<[u32; 3]> = (0..19 * 19)
+        .flat_map(|c| {
+            let a = c / 19 * 20 + c % 19;
+            [[a, a + 1, a + 21], [a, a + 21, a + 20]]
+        })
+        .collect();
+    let vertices: Vec<Vec3> = field.samples().collect();
+    let mesh = Mesh::from_triangles(&vertices, &triangles).expect("hills");
+    let judge = TriMesh::new(vertices, triangles).expect("hills");
+    let grounds = [Shape::HeightField(Arc::new(field)), Shape::Mesh(Arc::new(mesh))];
+    let bullet = Shape::Sphere { radius: 0.02 };
+    let target = 1e-3;
+    for round in 0..60 {
+        let from = random.point(3.0).with_z(1.5);
+        let to = random.point(3.0).with_z(-1.5);
+        let sweep = Sweep {
+            a: moving(at(from, Quat::IDENTITY), to - from, Vec3::ZERO),
+            b: Motion::at_rest(Isometry::IDENTITY),
+        };
+        let gap = |t: f32| {
+            let pose = Pose::from_translation(from + (to - from) * t);
+            parry3d::query::distance(&pose, &Ball::new(0.02), &Pose::identity(), &judge)
+                .expect("supported")
+                .distance
+        };
+        for ground in &grounds {
+            let toi = time_of_impact(&bullet, ground, &sweep, target).expect("the way ends below the ground");
+            let there = gap(toi.time);
+            // A little deeper where it grazes a triangle that it hardly sinks into.
+            assert!(
+                there > 0.9 * target - 0.25 * 0.02 && there < 1.2 * target,
+                "{round} {}: {there}",
+                ground.name()
+            );
+            for k in 0..50 {
+                let there = gap(toi.time * k as f32 / 50.0);
+                assert!(there > 0.9 * target - 0.25 * 0.02, "{round} {}: {there} before", ground.name());
+            }
+        }
+    }
+}

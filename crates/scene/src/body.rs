@@ -28,7 +28,12 @@ pub(crate) const MOTION: &[Key] = &[
     key("angular_velocity", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "rad/s, in the world's axes."),
     key("gravity_scale", Ty::Number(ANY), "1", "Gravity is multiplied by this."),
     key("linear_damping", Ty::Number(NOT_NEGATIVE), "0", "Share of the velocity lost per second, 1/s."),
-    key("angular_damping", Ty::Number(NOT_NEGATIVE), "0", "Share of the angular velocity lost per second, 1/s."),
+    key(
+        "angular_damping",
+        Ty::Number(NOT_NEGATIVE),
+        "0",
+        "Share of the angular velocity lost per second, 1/s.",
+    ),
     key(
         "locks",
         Ty::Choices(LOCKS),
@@ -73,7 +78,11 @@ locks = ["ry"]
                  are taken left out.",
             ),
             optional("mass", Ty::Number(POSITIVE), "kg; replaces that of shape and density."),
-            optional("center", Ty::Numbers(&[3], ANY), "Centre of mass in the shape's frame, m; needs `mass`."),
+            optional(
+                "center",
+                Ty::Numbers(&[3], ANY),
+                "Centre of mass in the shape's frame, m; needs `mass`.",
+            ),
             optional(
                 "inertia",
                 Ty::Numbers(&[3, 6], ANY),

@@ -201,7 +201,8 @@ impl Checker<'_> {
         }
         let expected = if !x.is_finite() {
             format!("{}, finite", ty.expected())
-        } else if (x > 0.0 && x < range.min && range.min == crate::spec::SMALLEST) || x.abs() > crate::spec::LARGEST
+        } else if (x > 0.0 && x < range.min && range.min == crate::spec::SMALLEST)
+            || x.abs() > crate::spec::LARGEST
         {
             format!("a number {}", range.exact())
         } else {
@@ -263,8 +264,7 @@ impl Checker<'_> {
                 Some(word) => word,
                 None => {
                     let message = format!("`{path}.kind` is {}", describe(value.get_ref()));
-                    return self
-                        .report(Problem::at(self.span(value.span()), message).expecting(expected()));
+                    return self.report(Problem::at(self.span(value.span()), message).expecting(expected()));
                 }
             },
         };

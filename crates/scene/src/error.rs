@@ -1,6 +1,6 @@
 //! What can be wrong with a scene, said so that a person can mend it.
 
-use crate::source::{Source, Sources, Span};
+use crate::source::{Sources, Span};
 use std::fmt;
 
 /// Why a scene can't be read or built: every problem that was found, each with its place.
@@ -9,13 +9,14 @@ use std::fmt;
 #[derive(Clone, Debug)]
 pub struct SceneError {
     problems: Vec<Problem>,
+    sources: Sources,
 }
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// Where it is, if it is at a place in a file.
-    pub place: Option<Place>,
+    pub place: Option<Box<Place>>,
     /// What is wrong.
     pub message: String,
     /// What was expected instead.
@@ -23,7 +24,6 @@ pub struct Problem {
     /// The nearest valid spelling.
     pub nearest: Option<String>,
     span: Option<Span>,
-    source: Option<(String, String)>,
 }
 
 /// A place in a file.
@@ -39,14 +39,7 @@ pub struct Place {
 
 impl Problem {
     pub(crate) fn new(message: impl Into<String>) -> Self {
-        Problem {
-            place: None,
-            message: message.into(),
-            expected: None,
-            nearest: None,
-            span: None,
-            source: None,
-        }
+        Problem { place: None, message: message.into(), expected: None, nearest: None, span: None }
     }
 
     pub(crate) fn at(span: Span, message: impl Into<String>) -> Self {
@@ -67,9 +60,8 @@ impl Problem {
     fn locate(mut self, sources: &Sources) -> Self {
         if let Some(span) = self.span {
             let (line, column) = sources.line_column(span);
-            let Source { name, text, .. } = sources.get(span);
-            self.place = Some(Place { file: name.clone(), line, column });
-            self.source = Some((name.clone(), text.clone()));
+            let file = sources.get(span).name.clone();
+            self.place = Some(Box::new(Place { file, line, column }));
         }
         self
     }
@@ -91,7 +83,10 @@ impl SceneError {
     /// Problems in the order of their places; there must be one.
     pub(crate) fn new(mut problems: Vec<Problem>, sources: &Sources) -> Self {
         problems.sort_by_key(|p| p.span.map(|s| (s.source, s.start)));
-        SceneError { problems: problems.into_iter().map(|p| p.locate(sources)).collect() }
+        SceneError {
+            problems: problems.into_iter().map(|p| p.locate(sources)).collect(),
+            sources: sources.clone(),
+        }
     }
 
     pub(crate) fn one(problem: Problem, sources: &Sources) -> Self {
@@ -105,16 +100,15 @@ impl SceneError {
 
     /// All problems, each with an excerpt of its file. Pass `color` where the text goes to a terminal.
     pub fn render(&self, color: bool) -> String {
-        self.problems.iter().map(|p| p.render(color)).collect()
+        self.problems.iter().map(|p| p.render(&self.sources, color)).collect()
     }
 }
 
 impl Problem {
-    fn render(&self, color: bool) -> String {
+    fn render(&self, sources: &Sources, color: bool) -> String {
         use ariadne::{CharSet, Color, Config, IndexType, Label, Report, ReportKind, Source};
-        let (Some(span), Some((name, text))) = (self.span, &self.source) else {
-            return format!("Error: {self}\n");
-        };
+        let Some(span) = self.span else { return format!("Error: {self}\n") };
+        let (name, text) = (&sources.get(span).name, &sources.get(span).text);
         // The report can't point past the end of the text.
         let end = text.len();
         let start = (span.start as usize).min(end);

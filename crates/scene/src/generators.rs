@@ -51,13 +51,27 @@ const SHAPED: &[Key] = &[
         Ty::Shapes,
         "Name of the shape or family of shapes; of several names each body takes one at random.",
     ),
-    optional("size", Ty::Table(&SIZES), "Random sizes. All bodies keep the size of their shape where not given."),
+    optional(
+        "size",
+        Ty::Table(&SIZES),
+        "Random sizes. All bodies keep the size of their shape where not given.",
+    ),
 ];
 
 /// How the bodies of a fill or a pour are turned.
 const TURNED: &[Key] = &[
-    key("orientation", Ty::Choice(&["random", "fixed"]), "\"random\"", "Each body its own, or all as `rotation`."),
-    key("rotation", Ty::Rotation, "[0, 0, 0]", "Of all bodies where `orientation` is `fixed`; forms as for bodies."),
+    key(
+        "orientation",
+        Ty::Choice(&["random", "fixed"]),
+        "\"random\"",
+        "Each body its own, or all as `rotation`.",
+    ),
+    key(
+        "rotation",
+        Ty::Rotation,
+        "[0, 0, 0]",
+        "Of all bodies where `orientation` is `fixed`; forms as for bodies.",
+    ),
 ];
 
 /// The kind of a generator's table.
@@ -68,7 +82,7 @@ pub(crate) fn kind_of(table: &Table) -> &'static GeneratorKind {
 /// Checks a generator; `root` is the whole scene.
 pub(crate) fn check(table: &Table, root: &Table) -> Result<(), Problem> {
     (kind_of(table).check)(table)?;
-    if let Some(size) = table.table("size")
+    if let Some(size) = table.spec.key("size").and_then(|_| table.table("size"))
         && size.f64("min") > size.f64("max")
     {
         let message = format!("`{}` is larger than `max`", size.path_of("min"));

@@ -6,7 +6,7 @@ use crate::node::{Node, Table, Value};
 use crate::root::{MATERIAL, ROOT};
 use crate::source::{Source, Sources, Span};
 use crate::spec::Ty;
-use crate::{body, generators, root, shapes};
+use crate::{body, generators, nesting, root, shapes};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -72,6 +72,12 @@ impl Loader {
     pub(crate) fn text(&mut self, source: Source) {
         let (text, base) = (source.text.clone(), source.base.clone());
         let index = self.sources.add(source);
+        if let Some(at) = nesting::too_deep(&text) {
+            let span = Span { source: index, start: at as u32, end: at as u32 + 1 };
+            let expected = format!("brackets at most {} deep", nesting::DEEPEST);
+            self.problems.push(Problem::at(span, "too many brackets in brackets").expecting(expected));
+            return;
+        }
         let raw = match DeTable::parse(&text) {
             Ok(raw) => raw,
             Err(error) => {
@@ -103,6 +109,7 @@ impl Loader {
                 path: String::new(),
                 entries: Vec::new(),
             });
+            absolute_paths(&mut root, &self.sources);
             complete(&mut root, &mut self.problems);
             if self.problems.is_empty() {
                 return Ok((root, self.sources));
@@ -214,6 +221,19 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     kinds_of_bodies(root, problems);
     unique(root, "id", problems);
     unique(root, "name", problems);
+}
+
+/// Makes the paths of mesh files independent of the folder, so that a scene equals its filled text.
+fn absolute_paths(root: &mut Table, sources: &Sources) {
+    let shapes = root.entries.iter_mut().find(|(k, _)| *k == "shapes");
+    let Some((_, Node { value: Value::Named(shapes), .. })) = shapes else { return };
+    for (_, shape) in shapes {
+        let Value::Table(shape) = &mut shape.value else { continue };
+        let Some((_, file)) = shape.entries.iter_mut().find(|(k, _)| *k == "file") else { continue };
+        let path = sources.get(file.span).base.join(file.value.text());
+        let path = std::path::absolute(&path).unwrap_or(path);
+        file.value = Value::Text(path.display().to_string());
+    }
 }
 
 /// Changes `[world]`.

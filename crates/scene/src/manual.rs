@@ -46,7 +46,11 @@ fn heading(out: &mut String, title: &str, about: &str) {
 
 fn section(out: &mut String, title: &str, spec: &Spec, kind: bool) {
     heading(out, title, spec.about);
-    let _ = write!(out, "\n```toml\n{}```\n\n| key | type | default | meaning |\n|---|---|---|---|\n", spec.example);
+    let _ = write!(
+        out,
+        "\n```toml\n{}```\n\n| key | type | default | meaning |\n|---|---|---|---|\n",
+        spec.example
+    );
     if kind {
         let _ = writeln!(out, "| `kind` | `{}` | | |", spec.name);
     }
@@ -66,5 +70,40 @@ fn type_of(key: &crate::spec::Key) -> String {
         // The general words would list the keys of the table, which have a section of their own.
         Ty::Table(_) | Ty::Kinds(_) => "a table".to_owned(),
         ty => ty.expected(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+    use crate::generators::GENERATORS;
+    use crate::shapes::SHAPES;
+
+    #[test]
+    fn every_example_of_the_manual_is_right() {
+        let shapes: String = SHAPES.cases.iter().map(|c| c.example).collect();
+        let generators: String = GENERATORS.cases.iter().map(|c| c.example).collect();
+        let others = [&super::WORLD, &super::MATERIAL, &super::BODY].map(|s| s.example).concat();
+        let text = format!("{others}{shapes}{generators}");
+        if let Err(error) = Scene::parse(&text, "manual", ".") {
+            panic!("{}", error.render(false));
+        }
+        let nested =
+            [&super::SIZES, super::REGIONS.cases[0], super::REGIONS.cases[1], super::REGIONS.cases[2]];
+        for spec in nested {
+            let fill = "[[generators]]\nkind = \"fill\"\nshape = \"ball\"\ncount = 5\n";
+            let region =
+                if spec.name == "size" { "region = { min = [0, 0, 0], max = [9, 9, 9] }\n" } else { "" };
+            let text = format!("{shapes}{fill}{region}{}", spec.example);
+            if let Err(error) = Scene::parse(&text, spec.name, ".") {
+                panic!("{}", error.render(false));
+            }
+        }
+        let terrain =
+            format!("[shapes.x]\nkind = \"mesh\"\n{}[[bodies]]\nshape = \"x\"\n", super::TERRAIN.example);
+        assert!(Scene::parse(&terrain, "terrain", ".").is_ok());
+        let turned = format!("{shapes}[[bodies]]\nshape = \"ball\"\n{}", super::AXIS_DEGREES.example);
+        assert!(Scene::parse(&turned, "rotation", ".").is_ok());
+        assert!(Scene::parse(super::ROOT.example, "scene", ".").is_ok());
     }
 }

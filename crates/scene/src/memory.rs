@@ -35,6 +35,11 @@ pub(crate) fn estimate(root: &Table) -> Estimate {
     Estimate { bodies: fit(bodies), shapes, memory: fit(memory) }
 }
 
+/// The generator that makes the most bodies.
+pub(crate) fn largest(root: &Table) -> Option<&Table> {
+    root.tables("generators").max_by_key(|table| (generators::kind_of(table).count)(table))
+}
+
 /// Bytes that can be had without swapping, where the system says so (Linux).
 pub(crate) fn available() -> Option<u64> {
     parse(&std::fs::read_to_string("/proc/meminfo").ok()?)

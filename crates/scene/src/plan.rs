@@ -7,7 +7,6 @@ use crate::node::{Table, Value};
 use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
 use crate::sizes::Sizes;
-use crate::source::Sources;
 use rockfall::{Material, Shape};
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,7 +49,6 @@ pub(crate) struct Choices {
 pub(crate) struct Yard<'a> {
     pub(crate) seed: u64,
     root: &'a Table,
-    sources: &'a Sources,
     /// Shapes as described, cooked when they are first used, by their order in the file.
     families: BTreeMap<usize, Vec<Shape>>,
     /// Shapes in use by family, member and the bits of the scale.
@@ -62,12 +60,11 @@ pub(crate) struct Yard<'a> {
 }
 
 /// Lays out the scene `root`.
-pub(crate) fn plan(root: &Table, seed: u64, sources: &Sources) -> Result<Plan, Problem> {
+pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
     let materials = root.named("materials").map(|(_, table)| crate::root::material(table)).collect();
     let mut yard = Yard {
         seed,
         root,
-        sources,
         families: BTreeMap::new(),
         known: BTreeMap::new(),
         balls: Vec::new(),
@@ -137,7 +134,7 @@ impl Yard<'_> {
             return Err(Problem::at(table.span, format!("no shape is called `{name}`")));
         };
         if !self.families.contains_key(&index) {
-            let context = Cook { seed: self.seed, sources: self.sources };
+            let context = Cook { seed: self.seed };
             let shapes = (shapes::kind_of(shape).cook)(shape, &context)?;
             self.families.insert(index, shapes);
         }
@@ -155,11 +152,12 @@ impl Yard<'_> {
         shape.cloned().ok_or_else(|| Problem::at(table.span, format!("`{}` uses no shape", table.path)))
     }
 
-    /// A shape that a generator made itself.
-    pub(crate) fn shape(&mut self, shape: Shape) -> u32 {
+    /// Adds a shape that `table` needs.
+    pub(crate) fn shape(&mut self, shape: Shape, table: &Table) -> Result<u32, Problem> {
+        shape.validate().map_err(|why| Problem::at(table.span, format!("`{}`: {why}", table.path)))?;
         self.balls.push(bounding_ball(&shape).unwrap_or_default());
         self.plan.shapes.push(shape);
-        (self.plan.shapes.len() - 1) as u32
+        Ok((self.plan.shapes.len() - 1) as u32)
     }
 
     /// The shape of the scene at a size.
@@ -169,9 +167,12 @@ impl Yard<'_> {
             return Ok(shape);
         }
         let shape = scaled(&self.member(family, member, table)?, scale).map_err(|why| {
-            Problem::at(table.span_of("shape"), format!("`{}` at size {scale}: {why}", table.path_of("shape")))
+            Problem::at(
+                table.span_of("shape"),
+                format!("`{}` at size {scale}: {why}", table.path_of("shape")),
+            )
         })?;
-        let shape = self.shape(shape);
+        let shape = self.shape(shape, table)?;
         self.known.insert(key, shape);
         Ok(shape)
     }

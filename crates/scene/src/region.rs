@@ -62,7 +62,9 @@ pub(crate) fn check(table: &Table) -> Result<(), Problem> {
     let (min, max) = (table.dvec3("min"), table.dvec3("max"));
     if !min.cmplt(max).all() {
         let message = format!("`{}` is not below `max`", table.path_of("min"));
-        return Err(Problem::at(table.span_of("min"), message).expecting("three numbers below those of `max`"));
+        return Err(
+            Problem::at(table.span_of("min"), message).expecting("three numbers below those of `max`")
+        );
     }
     if table.spec.key("shape").is_some() && min.z < 0.0 {
         let message = format!("`{}` is below the ground", table.path_of("min"));

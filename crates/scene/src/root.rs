@@ -35,7 +35,12 @@ position = [0, 0, 10]
             "{}",
             "Materials by name. A scene that defines no `default` has one with all defaults.",
         ),
-        key("shapes", Ty::Named(&Ty::Kinds(SHAPE_KINDS)), "{}", "Shapes by name, shared by any number of bodies."),
+        key(
+            "shapes",
+            Ty::Named(&Ty::Kinds(SHAPE_KINDS)),
+            "{}",
+            "Shapes by name, shared by any number of bodies.",
+        ),
         key("bodies", Ty::List(&Ty::Table(&BODY)), "[]", "Bodies, one by one."),
         key("generators", Ty::List(&Ty::Kinds(GENERATOR_KINDS)), "[]", "Bodies in bulk."),
     ]],
@@ -81,7 +86,7 @@ substeps = 8
             "10",
             "`soft-step`: damping ratio of the position correction; 1 is critical, larger is calmer.",
         ),
-        key("push_speed", Ty::Number(NOT_NEGATIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
+        key("push_speed", Ty::Number(POSITIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
         key(
             "restitution_threshold",
             Ty::Number(NOT_NEGATIVE),
@@ -118,7 +123,12 @@ friction_mix = "minimum"
 "#,
     groups: &[&[
         key("density", Ty::Number(POSITIVE), "2600", "kg/m³."),
-        key("restitution", Ty::Number(SHARE), "0", "0 stops dead, 1 bounces back to the start (the report's μ_N)."),
+        key(
+            "restitution",
+            Ty::Number(SHARE),
+            "0",
+            "0 stops dead, 1 bounces back to the start (the report's μ_N).",
+        ),
         key("friction", Ty::Number(FRICTION), "0.6", "Coulomb's coefficient (the report's μ_T)."),
         key(
             "rolling_friction",
@@ -211,5 +221,20 @@ pub(crate) fn material(table: &Table) -> Material {
         twisting_friction: table.f32("twisting_friction"),
         friction_mix: mix("friction_mix"),
         restitution_mix: mix("restitution_mix"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn defaults_are_those_of_the_library() {
+        let text =
+            "[materials.rock]\n[shapes.ball]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"ball\"\n";
+        let scene = Scene::parse(text, "x", ".").unwrap();
+        assert_eq!(scene.settings, Settings::default());
+        assert_eq!(scene.plan().unwrap().materials, [Material::default(), Material::default()]);
     }
 }

@@ -47,7 +47,10 @@ pub(crate) fn read(table: &Table, key: &str) -> Result<Quat, Problem> {
         (&[x, y, z], None) => {
             let [x, y, z] = [x, y, z].map(|degrees| libm::sincos(0.5 * degrees.to_radians()));
             let x = Quat::from_xyzw(x.0 as f32, 0.0, 0.0, x.1 as f32);
-            rotation::compose(heading_from(z), rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x))
+            rotation::compose(
+                heading_from(z),
+                rotation::compose(Quat::from_xyzw(0.0, y.0 as f32, 0.0, y.1 as f32), x),
+            )
         }
         _ => Quat::IDENTITY,
     })
@@ -60,4 +63,37 @@ pub(crate) fn heading(degrees: f64) -> Quat {
 
 fn heading_from((sin, cos): (f64, f64)) -> Quat {
     Quat::from_xyzw(0.0, 0.0, sin as f32, cos as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+    use rockfall_math::{Vec3, rotation::rotate};
+
+    #[test]
+    fn the_three_forms_of_a_rotation_agree() {
+        let s = 0.5f64.sqrt();
+        let forms = [
+            "[0, 0, 90]".to_owned(),
+            format!("[0, 0, {s}, {s}]"),
+            "{ axis = [0, 0, 5], degrees = 90 }".to_owned(),
+        ];
+        for form in forms {
+            let text = format!(
+                "[shapes.b]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"b\"\nrotation = {form}\n"
+            );
+            let plan = Scene::parse(&text, "x", ".").unwrap().plan().unwrap();
+            let turned = rotate(plan.placed[0].1.rotation, Vec3::X);
+            assert!((turned - Vec3::Y).length() < 1e-6, "{form}: {turned}");
+        }
+    }
+
+    #[test]
+    fn degrees_turn_about_x_then_y_then_z() {
+        let text =
+            "[shapes.b]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"b\"\nrotation = [90, 90, 0]\n";
+        let plan = Scene::parse(text, "x", ".").unwrap().plan().unwrap();
+        // About x, y becomes z; then about y, z becomes x.
+        assert!((rotate(plan.placed[0].1.rotation, Vec3::Y) - Vec3::X).length() < 1e-6);
+    }
 }

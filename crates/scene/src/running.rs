@@ -4,7 +4,7 @@ use crate::body::Template;
 use crate::generators::Pour;
 use crate::plan::{BodyRow, Plan};
 use crate::shapes::bounding_ball;
-use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, Shape, ShapeId, World};
+use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, ShapeId, World};
 use rockfall_math::{DVec3, Pose, Vec3, rotation::rotate};
 
 /// A world that was built from a scene, and the bodies that will come later.
@@ -32,7 +32,8 @@ impl Running {
         let mut world = World::new(settings)?;
         let Plan { shapes, materials, templates, placed, pours, rows } = plan;
         let balls = shapes.iter().map(bounding_ball).collect();
-        let shapes: Vec<ShapeId> = shapes.into_iter().map(|s: Shape| world.add_shape(s)).collect();
+        let shapes: Vec<ShapeId> =
+            shapes.into_iter().map(|s| world.add_shape(s)).collect::<Result<_, _>>()?;
         let materials: Vec<MaterialId> =
             materials.into_iter().map(|m| world.add_material(m)).collect::<Result<_, _>>()?;
         let emitted = vec![0; pours.len()];
@@ -90,9 +91,8 @@ impl Running {
             let row = pour.rows.start + k;
             let Some((centre, radius)) = self.balls[self.rows[row].shape] else { break };
             let radius = f64::from(radius);
-            let clear = |at: &DVec3| {
-                balls.iter().all(|(other, r)| (*other - *at).length() >= r + radius + pour.gap)
-            };
+            let clear =
+                |at: &DVec3| balls.iter().all(|(other, r)| (*other - *at).length() >= r + radius + pour.gap);
             let Some(place) = pour.candidates(k, frame, radius).find(clear) else { break };
             balls.push((place, radius));
             let rotation = pour.rotation(k);

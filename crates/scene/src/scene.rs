@@ -118,7 +118,7 @@ impl Scene {
     /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
     /// generators. It reads back as an equal scene.
     pub fn to_toml_filled(&self) -> String {
-        write::scene(&self.root, &self.sources)
+        write::scene(&self.root)
     }
 
     /// Id, name, shape and scale of every body, those included that will be poured. [`Running::body_table`] has the
@@ -136,8 +136,9 @@ impl Scene {
     /// A scene that needs more memory than there is, geometry that can't be cooked, a fill that does not fit.
     pub fn build(&self) -> Result<Running, SceneError> {
         let plan = self.plan()?;
-        Running::new(self.settings, plan)
-            .map_err(|e| SceneError::one(Problem::new(format!("the world refused the scene: {e}")), &self.sources))
+        Running::new(self.settings, plan).map_err(|e| {
+            SceneError::one(Problem::new(format!("the world refused the scene: {e}")), &self.sources)
+        })
     }
 
     /// Looks for everything that could go wrong in [`Scene::build`], short of the world itself, on a machine with
@@ -161,8 +162,12 @@ impl Scene {
                 memory::human(memory),
                 memory::human(available)
             );
-            return Err(SceneError::one(Problem::new(message).expecting("fewer bodies"), &self.sources));
+            let problem = match memory::largest(&self.root) {
+                Some(generator) => Problem::at(generator.span, message),
+                None => Problem::new(message),
+            };
+            return Err(SceneError::one(problem.expecting("fewer bodies"), &self.sources));
         }
-        plan(&self.root, self.seed, &self.sources).map_err(|p| SceneError::one(p, &self.sources))
+        plan(&self.root, self.seed).map_err(|p| SceneError::one(p, &self.sources))
     }
 }

@@ -55,7 +55,8 @@ fn value(ty: &Ty) -> Value {
         u64::MAX => json!({ "type": "integer", "minimum": min }),
         max => json!({ "type": "integer", "minimum": min, "maximum": max }),
     };
-    let list = |items: Value, n: usize| json!({ "type": "array", "items": items, "minItems": n, "maxItems": n });
+    let list =
+        |items: Value, n: usize| json!({ "type": "array", "items": items, "minItems": n, "maxItems": n });
     match *ty {
         Ty::Bool => json!({ "type": "boolean" }),
         Ty::Text | Ty::Shape | Ty::Material => json!({ "type": "string" }),
@@ -74,7 +75,9 @@ fn value(ty: &Ty) -> Value {
         Ty::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Ty::Points => json!({ "type": "array", "items": list(number(ANY), 3) }),
         Ty::Triangles => json!({ "type": "array", "items": list(int(0, u32::MAX.into()), 3) }),
-        Ty::Rotation => json!({ "anyOf": [list(number(ANY), 3), list(number(ANY), 4), table(&AXIS_DEGREES, None)] }),
+        Ty::Rotation => {
+            json!({ "anyOf": [list(number(ANY), 3), list(number(ANY), 4), table(&AXIS_DEGREES, None)] })
+        }
         Ty::Shapes => json!({
             "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" }, "minItems": 1 }]
         }),

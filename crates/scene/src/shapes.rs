@@ -9,11 +9,9 @@ mod round;
 
 use crate::error::Problem;
 use crate::node::Table;
-use crate::source::Sources;
 use crate::spec::{Kinds, Spec};
 use rockfall::Shape;
 use rockfall_math::Vec3;
-use std::path::PathBuf;
 
 /// One kind of shape. To add one, copy the file of a neighbour and add it to [`KINDS`] and [`SHAPES`].
 #[derive(Debug)]
@@ -27,14 +25,13 @@ pub(crate) struct ShapeKind {
     pub(crate) memory: fn(&Table) -> u64,
     /// What the types of its keys can't say.
     pub(crate) check: fn(&Table) -> Result<(), Problem>,
-    pub(crate) cook: fn(&Table, &Cook<'_>) -> Result<Vec<Shape>, Problem>,
+    pub(crate) cook: fn(&Table, &Cook) -> Result<Vec<Shape>, Problem>,
 }
 
 /// What cooking may need besides the table.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cook<'a> {
+pub(crate) struct Cook {
     pub(crate) seed: u64,
-    pub(crate) sources: &'a Sources,
 }
 
 static KINDS: [&ShapeKind; 9] = [
@@ -105,11 +102,6 @@ fn only_one_of(table: &Table, keys: &[&'static str]) -> Result<&'static str, Pro
 /// Something went wrong with what a key gives.
 fn failed(table: &Table, key: &str, why: impl std::fmt::Display) -> Problem {
     Problem::at(table.span_of(key), format!("`{}`: {why}", table.path_of(key)))
-}
-
-/// The path that a key gives, from the folder of the file that it stands in.
-pub(crate) fn path_of(table: &Table, key: &str, sources: &Sources) -> PathBuf {
-    sources.get(table.span_of(key)).base.join(table.text(key))
 }
 
 /// A ball around a shape: its centre in the shape's frame and its radius; none for what has no end.

@@ -172,7 +172,9 @@ impl Ty {
             Ty::Texts => "a list of texts in quotes".to_owned(),
             Ty::Points => "a list of points [x, y, z]".to_owned(),
             Ty::Triangles => "a list of triangles [i, j, k]".to_owned(),
-            Ty::Rotation => "[x, y, z] in degrees, a quaternion [x, y, z, w], or { axis, degrees }".to_owned(),
+            Ty::Rotation => {
+                "[x, y, z] in degrees, a quaternion [x, y, z, w], or { axis, degrees }".to_owned()
+            }
             Ty::Shape => "the name of a shape".to_owned(),
             Ty::Shapes => "the name of a shape, or a list of names".to_owned(),
             Ty::Material => "the name of a material".to_owned(),

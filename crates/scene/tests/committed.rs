@@ -42,7 +42,8 @@ fn hare() -> String {
     ];
     const AROUND: usize = 10;
     const RINGS: usize = 5;
-    let mut out = String::from("# A hare of five ellipsoids, metres, z up. Made by crates/scene/tests/committed.rs.\n");
+    let mut out =
+        String::from("# A hare of five ellipsoids, metres, z up. Made by crates/scene/tests/committed.rs.\n");
     let mut base = 1;
     for (centre, half, lean) in parts {
         let mut vertex = |x: f64, y: f64, z: f64| {

@@ -3,8 +3,8 @@
 use crate::{Hull, Shape};
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
 
-/// Half-spaces have no end; their boxes reach to this coordinate, metres: finite, so that sums and areas of boxes
-/// are, and beyond every place in the world.
+/// Half-spaces have no end; their boxes reach to this coordinate, metres: finite, so that sums and areas of
+/// boxes are, and beyond every place in the world.
 pub const UNBOUNDED: f32 = 1e15;
 
 impl Shape {
@@ -23,10 +23,10 @@ impl Shape {
         }
     }
 
-    /// A box around the shape placed in the world, rounded outwards. The smallest one for spheres, boxes, capsules
-    /// and hulls (up to a millionth of their size); for turned meshes and height fields the one around their turned
-    /// box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface where its normal is along
-    /// an axis.
+    /// A box around the shape placed in the world, rounded outwards. The smallest one for spheres, boxes,
+    /// capsules and hulls (up to a millionth of their size); for turned meshes and height fields the one
+    /// around their turned box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
+    /// where its normal is along an axis.
     pub fn placed_bounds(&self, pose: &Pose) -> Aabb {
         match self {
             Shape::Sphere { radius } => around(pose.position, Vec3::splat(*radius)),
@@ -80,7 +80,7 @@ fn placed_hull(hull: &Hull, pose: &Pose) -> Aabb {
 
 fn half_space(normal: Vec3, offset: f64) -> Aabb {
     let mut whole = symmetric(Vec3::splat(UNBOUNDED));
-    let surface = Aabb::around(DVec3::splat(offset), DVec3::splat(offset)).grown(0.0);
+    let surface = Aabb::around(DVec3::splat(offset), DVec3::splat(offset));
     for axis in 0..3 {
         let mut e = Vec3::ZERO;
         e[axis] = 1.0;

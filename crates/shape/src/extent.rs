@@ -4,8 +4,8 @@ use crate::{Hull, Shape};
 use rockfall_math::Vec3;
 
 impl Shape {
-    /// The point of a bounded convex shape that is farthest along `direction`, which need not be of unit length. The
-    /// first corner wins a tie. `None` for half-spaces, meshes and height fields.
+    /// The point of a bounded convex shape that is farthest along `direction`, which need not be of unit
+    /// length. The first corner wins a tie. `None` for half-spaces, meshes and height fields.
     pub fn support(&self, direction: Vec3) -> Option<Vec3> {
         match self {
             Shape::Sphere { radius } => Some(direction.normalize_or_zero() * *radius),
@@ -37,8 +37,8 @@ impl Shape {
         }
     }
 
-    /// Radius of a ball that fits inside, metres: a body that moves by less in a step can't pass through a thin wall
-    /// unseen. Infinite for half-spaces, zero for surfaces.
+    /// Radius of a ball that fits inside, metres: a body that moves by less in a step can't pass through a
+    /// thin wall unseen. Infinite for half-spaces, zero for surfaces.
     pub fn inner_radius(&self) -> f32 {
         match self {
             Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,

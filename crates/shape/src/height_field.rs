@@ -4,8 +4,8 @@ use crate::{LARGEST, SMALLEST};
 use rockfall_math::{Aabb, Vec2, Vec3};
 use std::ops::Range;
 
-/// A surface z = h(x, y) over a regular grid of `columns` × `rows` samples centred on the origin. Each cell is two
-/// triangles, cut from its corner (i, j) to (i + 1, j + 1). Solid below.
+/// A surface z = h(x, y) over a regular grid of `columns` × `rows` samples centred on the origin. Each cell
+/// is two triangles, cut from its corner (i, j) to (i + 1, j + 1). Solid below.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     /// Samples along x, at least 2.
@@ -64,8 +64,8 @@ impl HeightField {
     /// `heights[j * columns + i]`, metres.
     ///
     /// # Errors
-    /// Less than 2 samples on a side, another number of heights than of samples, sizes and heights that are not
-    /// finite or out of range.
+    /// Less than 2 samples on a side, another number of heights than of samples, sizes and heights that are
+    /// not finite or out of range.
     ///
     /// # Examples
     /// ```
@@ -129,16 +129,16 @@ impl HeightField {
         (0..self.rows).flat_map(move |j| (0..self.columns).map(move |i| self.sample(i, j)))
     }
 
-    /// The two triangles of cell (i, j), `i < columns - 1`, `j < rows - 1`, counter-clockwise from above: first the
-    /// one towards +x, then the one towards +y. Both begin with the corner (i, j), their common edge ends at
-    /// (i + 1, j + 1).
+    /// The two triangles of cell (i, j), `i < columns - 1`, `j < rows - 1`, counter-clockwise from above:
+    /// first the one towards +x, then the one towards +y. Both begin with the corner (i, j), their common
+    /// edge ends at (i + 1, j + 1).
     pub fn cell(&self, i: u32, j: u32) -> [[Vec3; 3]; 2] {
         let [a, b] = [self.sample(i, j), self.sample(i + 1, j + 1)];
         [[a, self.sample(i + 1, j), b], [a, b, self.sample(i, j + 1)]]
     }
 
-    /// Which cells, along x and along y, a box overlaps seen from above; touching counts. Both ranges are empty where
-    /// it overlaps none. A box that is above or below the surface overlaps cells as well.
+    /// Which cells, along x and along y, a box overlaps seen from above; touching counts. Both ranges are
+    /// empty where it overlaps none. A box that is above or below the surface overlaps cells as well.
     pub fn cells_under(&self, area: &Aabb) -> [Range<u32>; 2] {
         let range = |low: f32, high: f32, samples: u32, step: f32| {
             let cells = samples - 1;
@@ -162,8 +162,8 @@ impl HeightField {
         Some((height + slope[0] * u + slope[1] * v) as f32)
     }
 
-    /// Unit normal of the triangle over (x, y), pointing up; `None` beside the field. On an edge that of one of
-    /// its triangles.
+    /// Unit normal of the triangle over (x, y), pointing up; `None` beside the field. On an edge that of one
+    /// of its triangles.
     pub fn normal_at(&self, x: f32, y: f32) -> Option<Vec3> {
         let (_, slope, _) = self.locate(x, y)?;
         let [dx, dy] = [slope[0] / f64::from(self.spacing.x), slope[1] / f64::from(self.spacing.y)];
@@ -171,7 +171,8 @@ impl HeightField {
         Some(Vec3::new((-dx / length) as f32, (-dy / length) as f32, (1.0 / length) as f32))
     }
 
-    /// The triangle over (x, y) as height of its cell's first corner and slopes per cell, and the place within the cell.
+    /// The triangle over (x, y) as height of its cell's first corner and slopes per cell, and the place
+    /// within the cell.
     fn locate(&self, x: f32, y: f32) -> Option<(f64, [f64; 2], [f64; 2])> {
         let place = |x: f32, samples: u32, step: f32| {
             let cells = f64::from(samples - 1);

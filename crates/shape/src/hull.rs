@@ -1,8 +1,8 @@
 //! Convex polyhedra: the cooked form that the pair functions read.
 //!
-//! Cooking goes: points → triangles of their exact convex hull → polygon faces → the columns of [`Hull`] → a check
-//! of every promise. Face merging is by a tolerance; should the outcome break a promise, cooking starts again with
-//! a smaller one, at last with none.
+//! Cooking goes: points → triangles of their exact convex hull → polygon faces → the columns of [`Hull`] → a
+//! check of every promise. Faces merge by a tolerance; should the outcome break a promise, which no known
+//! points make it do, cooking starts again without, and all faces are triangles.
 
 mod check;
 mod merge;
@@ -74,19 +74,20 @@ pub enum HullError {
     #[error("all points of the hull lie in a plane, or within a hundred-thousandth of their extent of one")]
     Coplanar,
     /// More corners than a body can carry.
-    #[error("the hull has {0} corners, more than {MAX_CORNERS}: simplify it")]
-    TooManyCorners(usize),
+    #[error("the hull has more than {MAX_CORNERS} corners: simplify it")]
+    TooManyCorners,
     /// The hull that was built breaks a promise.
     #[error("the hull of these points is broken: {0}")]
     Broken(HullDefect),
 }
 
-/// The most corners that a hull may have. Contact between hulls costs time for each corner; a few dozen serve well.
+/// The most corners that a hull may have. Contact between hulls costs time for each corner; a few dozen serve
+/// well.
 pub const MAX_CORNERS: usize = 8192;
 
-/// Corners closer than this to a common plane make one face, and no corner sticks out of a face's plane by much
-/// more, metres: one millionth of the extent, which is some ten times the rounding of coordinates that have been
-/// rotated; but at least four units in the last place of the largest coordinate.
+/// Corners closer than this to a common plane make one face, and no corner sticks out of a face's plane by
+/// much more, metres: one millionth of the extent, which is some ten times the rounding of coordinates that
+/// have been rotated; but at least four units in the last place of the largest coordinate.
 fn tolerance(bounds: &Aabb) -> f64 {
     let extent = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
     let largest = f64::from(bounds.min.abs().max(bounds.max.abs()).max_element());
@@ -99,9 +100,9 @@ fn slack(vertices: &[Vec3]) -> f64 {
 }
 
 impl Hull {
-    /// The convex hull of `points`, metres. Points inside, duplicates, and corners that stick out by less than
-    /// about a millionth of the extent leave no trace; corners keep the order that their points have. The same
-    /// points give the same hull, bit by bit, on every machine.
+    /// The convex hull of `points`, metres. Points inside, duplicates, and corners that stick out by less
+    /// than about a millionth of the extent leave no trace; corners keep the order that their points have.
+    /// The same points give the same hull, bit by bit, on every machine.
     ///
     /// # Errors
     /// Points that are not finite, are farther than [`LARGEST`] from the origin, or span no volume: less than
@@ -122,8 +123,8 @@ impl Hull {
         Self::cook(points, usize::MAX)
     }
 
-    /// The convex hull of `points` with at most `max_vertices` corners, at least 4: those that stick out farthest,
-    /// chosen greedily, so that the hull lies inside the full one and is near to it.
+    /// The convex hull of `points` with at most `max_vertices` corners, at least 4: those that stick out
+    /// farthest, chosen greedily, so that the hull lies inside the full one and is near to it.
     ///
     /// # Errors
     /// As for [`Hull::from_points`].
@@ -184,12 +185,12 @@ impl Hull {
         }
         let whole = tolerance(&bounds);
         let mut broken = HullDefect::Layout;
-        for tolerance in [whole, whole / 8.0, whole / 64.0, 0.0] {
+        for tolerance in [whole, 0.0] {
             let Some((corners, faces)) = polyhedron(points, max_vertices, whole, tolerance)? else {
                 continue;
             };
             if corners.len() > MAX_CORNERS {
-                return Err(HullError::TooManyCorners(corners.len()));
+                return Err(HullError::TooManyCorners);
             }
             let hull = Self::assemble(corners, &faces);
             match hull.check() {
@@ -222,7 +223,8 @@ impl Hull {
                 a.cross(b)
             });
             let normal = fan.sum::<DVec3>().normalize_or_zero().as_vec3();
-            // No corner may be outside, so that the offset belongs to the rounded normal and the farthest corner.
+            // No corner may be outside, so that the offset belongs to the rounded normal and the farthest
+            // corner.
             let reach = |p: &DVec3| normal.as_dvec3().dot(*p);
             hull.normals.push(normal);
             hull.offsets.push(points.iter().map(reach).fold(f64::NEG_INFINITY, f64::max) as f32);
@@ -269,9 +271,14 @@ fn polyhedron(
     // Adding zero turns -0 into 0, so that equal points have equal bits.
     let mut kept: Vec<DVec3> = points.iter().map(|p| (*p + Vec3::ZERO).as_dvec3()).collect();
     loop {
-        let goal = Goal { corners: max_vertices, near: 0.5 * tolerance, flat: 10.0 * whole };
+        // Far more than there may be in the end: merging takes few away.
+        let corners = max_vertices.min(2 * MAX_CORNERS + 1);
+        let goal = Goal { corners, near: 0.5 * tolerance, flat: 10.0 * whole };
         let triangles = quickhull(&kept, goal)?;
         let used = renumber(&mut kept, triangles);
+        if kept.len() > 2 * MAX_CORNERS {
+            return Err(HullError::TooManyCorners);
+        }
         match merge(&kept, &used, tolerance) {
             Ok(Merged::Faces(mut faces)) => {
                 for corners in &mut faces {

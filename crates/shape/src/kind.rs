@@ -48,14 +48,14 @@ impl Shape {
         !matches!(self, Shape::Mesh(_) | Shape::HeightField(_))
     }
 
-    /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the half-space, and
-    /// closed meshes whose normals point outwards.
+    /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the
+    /// half-space, and closed meshes whose normals point outwards.
     pub fn has_inside(&self) -> bool {
         self.mass_properties(1.0).is_some()
     }
 
-    /// Whether all numbers make sense: sizes from [`SMALLEST`] to [`LARGEST`], unit normals, columns that fit each
-    /// other. Hulls are checked in full ([`Hull::check`](crate::Hull::check)).
+    /// Whether all numbers make sense: sizes from [`SMALLEST`] to [`LARGEST`], unit normals, columns that fit
+    /// each other. Hulls are checked in full ([`Hull::check`](crate::Hull::check)).
     ///
     /// # Errors
     /// The first number that does not.

@@ -31,9 +31,9 @@ impl MassProperties {
 }
 
 impl Shape {
-    /// Mass properties of a solid of `density` kg/m³ in this shape, exact up to rounding: closed forms for the round
-    /// shapes and the box, integrals over the polyhedron for hulls and closed meshes. `None` for shapes without an
-    /// inside: see [`Shape::has_inside`].
+    /// Mass properties of a solid of `density` kg/m³ in this shape, exact up to rounding: closed forms for
+    /// the round shapes and the box, integrals over the polyhedron for hulls and closed meshes. `None` for
+    /// shapes without an inside: see [`Shape::has_inside`].
     ///
     /// # Examples
     /// ```
@@ -69,8 +69,8 @@ fn cuboid(density: f64, half: DVec3) -> MassProperties {
     MassProperties::new(mass, DVec3::ZERO, diagonal, DVec3::ZERO)
 }
 
-/// A cylinder and two half balls. The centre of mass of a half ball is 3/8 of the radius off its flat side, and its
-/// inertia across its axis, about that centre, 83/320 m r².
+/// A cylinder and two half balls. The centre of mass of a half ball is 3/8 of the radius off its flat side,
+/// and its inertia across its axis, about that centre, 83/320 m r².
 fn capsule(density: f64, h: f64, r: f64) -> MassProperties {
     let cylinder = density * PI * r * r * 2.0 * h;
     let caps = density * 4.0 / 3.0 * PI * r * r * r;

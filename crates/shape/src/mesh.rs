@@ -37,14 +37,15 @@ pub enum EdgeKind {
     Boundary,
     /// The surface bends away: the edge collides, with normals between those of its two triangles.
     Convex,
-    /// The two triangles lie in one plane, up to a thousandth of a radian: no body ever touches the edge alone.
+    /// The two triangles lie in one plane, up to a thousandth of a radian: no body ever touches the edge
+    /// alone.
     Flat,
     /// The surface bends inwards: the edge is out of reach.
     Concave,
 }
 
-/// What [`Mesh::from_triangles`] found: nothing of it is an error, but a person who expects a clean, closed mesh wants
-/// to know.
+/// What [`Mesh::from_triangles`] found: nothing of it is an error, but a person who expects a clean, closed
+/// mesh wants to know.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshReport {
     /// Vertices that another one with the same coordinates replaced, or that no triangle uses.
@@ -94,9 +95,9 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// Cooks a triangle surface, corners counter-clockwise from outside, metres. Vertices with equal coordinates
-    /// become one, triangles without area or there twice are left out (see [`MeshReport`]); the order of
-    /// the rest stays.
+    /// Cooks a triangle surface, corners counter-clockwise from outside, metres. Vertices with equal
+    /// coordinates become one, triangles without area or there twice are left out (see [`MeshReport`]); the
+    /// order of the rest stays.
     ///
     /// A triangle has no area when it is more than ten million times as long as it is high: its normal
     /// would be rounding.

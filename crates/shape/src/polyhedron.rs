@@ -19,8 +19,8 @@ pub(crate) struct Moments {
     pub(crate) products: DVec3,
 }
 
-/// Integrates over the inside of `triangles`, counter-clockwise from outside. The volume is negative where they
-/// are clockwise; without volume the centre is the reference point, the first corner.
+/// Integrates over the inside of `triangles`, counter-clockwise from outside. The volume is negative where
+/// they are clockwise; without volume the centre is the reference point, the first corner.
 pub(crate) fn moments(triangles: impl Iterator<Item = [DVec3; 3]>) -> Moments {
     let mut reference = None;
     let (mut volume, mut first) = (0.0, DVec3::ZERO);

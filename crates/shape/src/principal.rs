@@ -8,9 +8,9 @@ use rockfall_math::{Mat3, Quat, Vec3, rotation};
 const DIAGONAL: f64 = 1e-6;
 
 impl MassProperties {
-    /// The moments of inertia about the principal axes, kg m², and the rotation from the frame of those axes to
-    /// the frame of the shape. The rotation is the identity where the inertia is diagonal as it is; the axes are in
-    /// no order, each near the one of the shape's frame that it came from.
+    /// The moments of inertia about the principal axes, kg m², and the rotation from the frame of those axes
+    /// to the frame of the shape. The rotation is the identity where the inertia is diagonal as it is; the
+    /// axes are in no order, each near the one of the shape's frame that it came from.
     ///
     /// By Jacobi's method in double precision, in a fixed order: the same bits on every machine.
     pub fn principal(&self) -> (Vec3, Quat) {

@@ -14,13 +14,16 @@ pub(super) struct Facet {
     pub(super) normal: Vec3,
     /// Height of the plane over A's origin along `normal`.
     offset: f32,
+    /// How the surface bends at each edge; known where the triangle is `close`.
     pub(super) kinds: [EdgeKind; 3],
     /// In the triangle's plane, square to each edge, away from the triangle.
     pub(super) outward: [Vec3; 3],
     /// Where each edge lies along its `outward`.
     edge_offsets: [f32; 3],
-    /// Normal of each neighbour; this triangle's own where there is none.
+    /// Normal of each neighbour, this triangle's own where there is none; known where the triangle is `close`.
     pub(super) beyond: [Vec3; 3],
+    /// Whether A may touch the triangle.
+    pub(super) close: bool,
     /// Rounding error of a point near A, metres.
     slack: f32,
     /// Names the direction of the normal; triangles of one plane share it, so that a corner that slides from one to
@@ -49,14 +52,24 @@ impl Facet {
             corners,
             normal: placed.rotation * normal,
             offset: along(normal.as_dvec3(), local[0]),
-            kinds: std::array::from_fn(|e| surface.kind(triangle, e)),
+            kinds: [EdgeKind::Flat; 3],
             outward: sides.map(|side| placed.rotation * side.as_vec3()),
             edge_offsets: std::array::from_fn(|e| along(sides[e], local[e])),
-            beyond: std::array::from_fn(|e| {
-                placed.rotation * surface.neighbour(triangle, e).map_or(normal, |n| surface.normal(n))
-            }),
+            beyond: [Vec3::ZERO; 3],
+            close: false,
             slack: 1e-5 * bounds.half_extents().length() + 4e-7 * reach.min(1e3),
             direction: ((step.x + 8) * 289 + (step.y + 8) * 17 + step.z + 8) as u32,
+        }
+    }
+
+    /// Finds out what lies beyond the edges.
+    pub(super) fn look_beyond<S: Surface>(&mut self, placed: &Placed<S>) {
+        let corners = placed.surface.corners(self.triangle);
+        let normal = placed.surface.normal(self.triangle);
+        for edge in 0..3 {
+            let (kind, beyond) = placed.surface.beyond(self.triangle, edge, &corners, normal);
+            self.kinds[edge] = kind;
+            self.beyond[edge] = placed.rotation * beyond;
         }
     }
 
@@ -73,8 +86,12 @@ impl Facet {
     /// How far outside of an edge a point at `height` may be and still belong to the triangle. Behind an edge that
     /// bends inwards the prisms of the two triangles leave a gap, which both fill.
     pub(super) fn allowance(&self, edge: usize, height: f32) -> f32 {
-        let gap = if self.kinds[edge] == EdgeKind::Concave { (-2.0 * height).max(0.0) } else { 0.0 };
-        self.slack + gap
+        if self.kinds[edge] == EdgeKind::Concave { self.allowance_below(height) } else { self.slack }
+    }
+
+    /// The allowance at an edge that bends inwards.
+    pub(super) fn allowance_below(&self, height: f32) -> f32 {
+        self.slack + (-2.0 * height).max(0.0)
     }
 
     /// Whether a point, `height` over the plane, is in the prism over the triangle.

@@ -25,6 +25,10 @@ fn name(field: &HeightField, i: u32, j: u32, upper: bool) -> u64 {
     2 * (u64::from(j) * u64::from(field.columns - 1) + u64::from(i)) + u64::from(upper)
 }
 
+fn upright([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (b - a).cross(c - a).normalize()
+}
+
 impl Surface for HeightField {
     const BOTTOMLESS: bool = true;
 
@@ -55,26 +59,26 @@ impl Surface for HeightField {
     }
 
     fn normal(&self, triangle: u64) -> Vec3 {
-        let [a, b, c] = self.corners(triangle);
-        (b - a).cross(c - a).normalize()
+        upright(&self.corners(triangle))
     }
 
-    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind {
+    fn beyond(&self, triangle: u64, edge: usize, corners: &[Vec3; 3], normal: Vec3) -> (EdgeKind, Vec3) {
         let Some(other) = self.neighbour(triangle, edge) else {
-            return EdgeKind::Boundary;
+            return (EdgeKind::Boundary, normal);
         };
-        let (mine, theirs) = (self.corners(triangle), self.corners(other));
-        let ids = self.ids(triangle);
-        let far = (0..3).find(|&k| !ids.contains(&self.ids(other)[k])).map_or(mine[0], |k| theirs[k]);
-        let rise = self.normal(triangle).dot(far - mine[edge]);
-        let reach = (far - mine[edge]).length();
-        if rise > FLAT * reach {
+        // The corner of the other triangle that is not on the edge.
+        let far = if triangle & 1 == 0 { [0, 1, 2][edge] } else { [1, 2, 0][edge] };
+        let theirs = self.corners(other);
+        let way = theirs[far] - corners[edge];
+        let (rise, flat) = (normal.dot(way), FLAT * way.length());
+        let kind = if rise > flat {
             EdgeKind::Concave
-        } else if rise < -FLAT * reach {
+        } else if rise < -flat {
             EdgeKind::Convex
         } else {
             EdgeKind::Flat
-        }
+        };
+        (kind, upright(&theirs))
     }
 
     fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64> {

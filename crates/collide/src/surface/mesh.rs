@@ -23,8 +23,9 @@ impl Surface for Mesh {
         self.normals[triangle as usize]
     }
 
-    fn kind(&self, triangle: u64, edge: usize) -> EdgeKind {
-        self.edges[triangle as usize][edge]
+    fn beyond(&self, triangle: u64, edge: usize, _corners: &[Vec3; 3], normal: Vec3) -> (EdgeKind, Vec3) {
+        let other = self.neighbour(triangle, edge);
+        (self.edges[triangle as usize][edge], other.map_or(normal, |other| self.normal(other)))
     }
 
     fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64> {

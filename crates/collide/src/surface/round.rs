@@ -16,7 +16,7 @@ pub(super) fn touch<S: Surface>(
     touches: &mut Vec<Touch>,
 ) {
     let facet = &facets[i];
-    if core.iter().all(|&p| facet.height(p) - radius > probe.margin) {
+    if !facet.close || core.iter().all(|&p| facet.height(p) - radius > probe.margin) {
         return;
     }
     for (k, &p) in core.iter().enumerate() {

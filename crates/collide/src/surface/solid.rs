@@ -46,10 +46,10 @@ pub(super) fn touch<S: Surface>(
     touches: &mut Vec<Touch>,
 ) -> bool {
     let facet = &facets[i];
-    let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
-    if lowest > probe.margin {
+    if !facet.close {
         return false;
     }
+    let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
     let Some(way) = shortest(placed, facet, a, lowest, probe) else {
         return false;
     };

@@ -40,23 +40,24 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let template = yard.template(Template::fixed(table, material));
     let (room, t) = (table.dvec3("size"), table.f64("thickness"));
     let middle = table.dvec3("position") + DVec3::new(0.0, 0.0, 0.5 * room.z);
-    let mut part = |axis: usize, size: DVec3, sign: f64| {
-        let shape = yard.shape(Shape::Box { half: (0.5 * size).as_vec3() });
+    let mut part = |axis: usize, size: DVec3, sign: f64| -> Result<(), Problem> {
+        let shape = yard.shape(Shape::Box { half: (0.5 * size).as_vec3() }, table)?;
         let mut position = middle;
         position[axis] += sign * 0.5 * (room[axis] + t);
         yard.add(template, shape, 1.0, Pose::at(position));
+        Ok(())
     };
     // The x walls cover the ends of the y walls; floor and lid cover all four.
     let plate = DVec3::new(room.x + 2.0 * t, room.y + 2.0 * t, t);
     if table.bool("floor") {
-        part(2, plate, -1.0);
+        part(2, plate, -1.0)?;
     }
     for sign in [-1.0, 1.0] {
-        part(0, DVec3::new(t, room.y + 2.0 * t, room.z), sign);
-        part(1, DVec3::new(room.x, t, room.z), sign);
+        part(0, DVec3::new(t, room.y + 2.0 * t, room.z), sign)?;
+        part(1, DVec3::new(room.x, t, room.z), sign)?;
     }
     if table.bool("lid") {
-        part(2, plate, 1.0);
+        part(2, plate, 1.0)?;
     }
     Ok(())
 }

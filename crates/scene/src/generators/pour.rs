@@ -36,7 +36,11 @@ velocity = [0, 0, -10]
             required("count", Ty::Int(1, 4_294_967_295), "Bodies, all in all."),
             required("rate", Ty::Number(POSITIVE), "Bodies per second."),
             key("start", Ty::Number(NOT_NEGATIVE), "0", "When it begins, s."),
-            required("region", Ty::Table(&BOX_KEYS), "A box in which the bodies appear: `{ min = [..], max = [..] }`."),
+            required(
+                "region",
+                Ty::Table(&BOX_KEYS),
+                "A box in which the bodies appear: `{ min = [..], max = [..] }`.",
+            ),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Least distance of the balls around the bodies, m."),
             key("attempts", Ty::Int(1, 1_000_000), "100", "Random places that a body tries in a frame."),
         ],
@@ -80,7 +84,8 @@ fn place(table: &Table, label: &str, yard: &mut Yard<'_>) -> Result<(), Problem>
     let mut drawn = Vec::with_capacity(count);
     let mut largest = 0.0_f64;
     for k in 0..count {
-        let (shape, scale) = yard.draw(&choices, table, &mut Random::new(yard.seed, &format!("{label}.{k}")))?;
+        let (shape, scale) =
+            yard.draw(&choices, table, &mut Random::new(yard.seed, &format!("{label}.{k}")))?;
         largest = largest.max(yard.ball(shape).1.into());
         drawn.push((shape, scale));
     }
@@ -135,5 +140,53 @@ impl Pour {
     pub(crate) fn is_near(&self, centre: DVec3, radius: f64) -> bool {
         let away = (self.min - centre).max(centre - self.max).max(DVec3::ZERO);
         away.length() < radius + self.gap
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+
+    const POUR: &str = "[shapes.ball]\nkind = \"sphere\"\nradius = 0.2\n[[generators]]\nkind = \"pour\"\n\
+        shape = \"ball\"\ncount = 100\nrate = 90\nstart = 0.5\nregion = { min = [-2, -2, 9], max = [2, 2, 11] }\n\
+        velocity = [0, 0, -5]\n[[generators]]\nkind = \"container\"\nsize = [5, 5, 5]\n";
+
+    #[test]
+    fn bodies_come_at_their_rate_and_last_in_the_table() {
+        let scene = Scene::parse(POUR, "pour.toml", ".").unwrap();
+        let plan = scene.plan().unwrap();
+        assert_eq!(plan.pours[0].rows, 5..105);
+        let due: Vec<usize> = (0..200).map(|frame| plan.pours[0].due(frame, 60.0)).collect();
+        assert_eq!((due[28], due[29], due[30], due[31]), (0, 0, 1, 3));
+        assert_eq!((due[89], due[199]), (90, 100));
+    }
+
+    #[test]
+    fn poured_bodies_never_overlap_at_emission() {
+        let mut running = Scene::parse(POUR, "pour.toml", ".").unwrap().build().unwrap();
+        for frame in 0..120 {
+            let emitted = running.before_step(frame).unwrap();
+            let poses = running.world.poses();
+            for a in poses.len() - emitted..poses.len() {
+                for b in 5..a {
+                    assert!((poses[a].position - poses[b].position).length() >= 0.4 - 1e-6);
+                }
+            }
+            running.world.step();
+        }
+        assert_eq!((running.world.len(), running.waiting()), (105, 0));
+    }
+
+    #[test]
+    fn bodies_without_room_wait() {
+        let text = "[world]\ngravity = [0, 0, 0]\n[shapes.ball]\nkind = \"sphere\"\nradius = 0.5\n[[generators]]\n\
+            kind = \"pour\"\nshape = \"ball\"\ncount = 10\nrate = 600\nregion = { min = [0, 0, 0], max = [2.5, 1.1, 1.1] }\n";
+        let mut running = Scene::parse(text, "pour.toml", ".").unwrap().build().unwrap();
+        for frame in 0..5 {
+            running.before_step(frame).unwrap();
+            running.world.step();
+        }
+        assert!((1..=2).contains(&running.world.len()));
+        assert_eq!(running.world.len() + running.waiting(), 10);
     }
 }

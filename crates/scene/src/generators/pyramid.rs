@@ -24,7 +24,12 @@ brick = [1, 0.5, 0.5]
             key("brick", Ty::Numbers(&[3], POSITIVE), "[1, 1, 1]", "Length, depth, height of a box, m."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Between neighbours in a course, m."),
             key("position", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "Middle of the pyramid's foot, m."),
-            key("heading", Ty::Number(ANY), "0", "The pyramid runs along x, turned about z by this, degrees."),
+            key(
+                "heading",
+                Ty::Number(ANY),
+                "0",
+                "The pyramid runs along x, turned about z by this, degrees.",
+            ),
         ],
         SURFACE,
         MOTION,
@@ -45,7 +50,7 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let template = yard.moving(table);
     let (brick, base) = (table.dvec3("brick"), table.int("base"));
     let pitch = brick.x + table.f64("gap");
-    let shape = yard.shape(Shape::Box { half: 0.5 * brick.as_vec3() });
+    let shape = yard.shape(Shape::Box { half: 0.5 * brick.as_vec3() }, table)?;
     let rotation = rotation::heading(table.f64("heading"));
     for course in 0..base {
         let boxes = base - course;

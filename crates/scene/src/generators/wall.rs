@@ -21,7 +21,12 @@ heading = 90
 "#,
     groups: &[
         &[
-            key("brick", Ty::Numbers(&[3], POSITIVE), "[0.24, 0.115, 0.071]", "Length, depth, height of a brick, m."),
+            key(
+                "brick",
+                Ty::Numbers(&[3], POSITIVE),
+                "[0.24, 0.115, 0.071]",
+                "Length, depth, height of a brick, m.",
+            ),
             required("length", Ty::Int(1, 4_294_967_295), "Bricks in a course."),
             required("courses", Ty::Int(1, 4_294_967_295), "Courses, one on the other."),
             key("gap", Ty::Number(NOT_NEGATIVE), "0", "Between neighbours in a course, m."),
@@ -55,11 +60,11 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let (brick, gap) = (table.dvec3("brick"), table.f64("gap"));
     let (length, courses) = (table.int("length"), table.int("courses"));
     let half = 0.5 * brick.as_vec3();
-    let whole_brick = yard.shape(Shape::Box { half });
+    let whole_brick = yard.shape(Shape::Box { half }, table)?;
     // Two halves and their gap are as long as a whole one.
     let short = 0.5 * (brick.x - gap);
     let half_brick = if courses > 1 {
-        yard.shape(Shape::Box { half: Vec3::new(0.5 * short as f32, half.y, half.z) })
+        yard.shape(Shape::Box { half: Vec3::new(0.5 * short as f32, half.y, half.z) }, table)?
     } else {
         whole_brick
     };
@@ -83,4 +88,35 @@ fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+    use rockfall::Shape;
+
+    #[test]
+    fn courses_are_equally_long_and_joints_are_over_bricks() {
+        let text = "[[generators]]\nkind = \"wall\"\nbrick = [0.5, 0.2, 0.25]\nlength = 4\ncourses = 3\ngap = 0.02\n";
+        let plan = Scene::parse(text, "wall.toml", ".").unwrap().plan().unwrap();
+        assert_eq!(plan.rows.len(), 4 + 5 + 4);
+        let mut ends = vec![Vec::new(); 3];
+        for (row, (_, pose)) in plan.rows.iter().zip(&plan.placed) {
+            let Shape::Box { half } = plan.shapes[row.shape] else { panic!("a brick is a box") };
+            let course = (pose.position.z / 0.25) as usize;
+            assert!((pose.position.z - 0.25 * (course as f64 + 0.5)).abs() < 1e-9);
+            let half = f64::from(half.x);
+            ends[course].push((pose.position.x - half, pose.position.x + half));
+        }
+        for course in &ends {
+            assert!((course[0].0 + 1.03).abs() < 1e-6);
+            assert!((course[course.len() - 1].1 - 1.03).abs() < 1e-6);
+            assert!(course.windows(2).all(|pair| (pair[1].0 - pair[0].1 - 0.02).abs() < 1e-6));
+        }
+        for joint in ends[1].windows(2).map(|pair| pair[0].1 + 0.01) {
+            assert!(
+                ends[0].iter().all(|(left, right)| (joint - left).abs() > 0.2 && (joint - right).abs() > 0.2)
+            );
+        }
+    }
 }

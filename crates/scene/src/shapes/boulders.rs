@@ -39,7 +39,12 @@ distribution = "power-law"
                 "[0.6, 0.95]",
                 "Ratio of the middle axis to the longest, and of the shortest to the middle one.",
             ),
-            key("roughness", Ty::Number(SHARE), "0.12", "How far corners are moved in or out, as a share of the radius."),
+            key(
+                "roughness",
+                Ty::Number(SHARE),
+                "0.12",
+                "How far corners are moved in or out, as a share of the radius.",
+            ),
             key("cuts", Ty::Int(0, 16), "3", "Planes that cut a piece off."),
         ],
         DISTRIBUTION,
@@ -55,7 +60,7 @@ pub(super) static BOULDERS: ShapeKind = ShapeKind {
     cook,
 };
 
-fn cook(table: &Table, context: &Cook<'_>) -> Result<Vec<Shape>, Problem> {
+fn cook(table: &Table, context: &Cook) -> Result<Vec<Shape>, Problem> {
     let (min, max) = table.pair("radius");
     let count = table.int("count") as usize;
     let radii = Sizes::read(table, min, max).classes(count);
@@ -145,4 +150,32 @@ fn volume(hull: &Hull) -> f64 {
         corners.windows(2).map(|e| first.dot(from_centre(e[0]).cross(from_centre(e[1])))).sum::<f64>()
     };
     (0..hull.normals.len()).map(face).sum::<f64>() / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn boulders_have_their_corners_volume_and_centre_and_differ() {
+        let text = "[shapes.rocks]\nkind = \"boulders\"\ncount = 40\nradius = [0.5, 2]\npoints = [12, 20]\n\
+            [[generators]]\nkind = \"grid\"\nshape = \"rocks\"\ncount = [20, 20, 1]\nspacing = [9, 9, 9]\n";
+        let plan = Scene::parse(text, "rocks.toml", ".").unwrap().plan().unwrap();
+        assert_eq!(plan.shapes.len(), 40);
+        let mut radii = Vec::new();
+        for shape in &plan.shapes {
+            let Shape::Hull(hull) = shape else { panic!("a boulder is a hull") };
+            assert!((12..=20).contains(&hull.vertices.len()), "{}", hull.vertices.len());
+            assert!(hull.center.length() < 1e-3);
+            radii.push(libm::cbrt(volume(hull) / (4.0 / 3.0 * std::f64::consts::PI)));
+            let longest = hull.vertices.iter().map(|v| v.length()).fold(0.0, f32::max);
+            assert!(f64::from(longest) < 2.5 * radii[radii.len() - 1], "not a needle");
+        }
+        radii.sort_by(f64::total_cmp);
+        // Uniform over 40 classes: 0.5 + 1.5 (k + ½) / 40.
+        for (k, radius) in radii.iter().enumerate() {
+            assert!((radius - (0.5 + 1.5 * (k as f64 + 0.5) / 40.0)).abs() < 1e-4);
+        }
+    }
 }

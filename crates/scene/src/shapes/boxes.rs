@@ -41,7 +41,7 @@ fn check(table: &Table) -> Result<(), Problem> {
     Err(Problem::at(table.span_of("min"), message).expecting("no edge longer than in `max`"))
 }
 
-fn cook(table: &Table, context: &Cook<'_>) -> Vec<Shape> {
+fn cook(table: &Table, context: &Cook) -> Vec<Shape> {
     let (min, max): (DVec3, DVec3) = (table.dvec3("min"), table.dvec3("max"));
     let mut random = Random::new(context.seed, &table.path);
     (0..table.int("count")).map(|_| Shape::Box { half: (0.5 * random.point(min, max)).as_vec3() }).collect()

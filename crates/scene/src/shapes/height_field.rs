@@ -21,7 +21,11 @@ spacing = [5, 5]
 "#,
     groups: &[&[
         optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain. Either this or `heights`."),
-        optional("heights", Ty::Numbers(&[], ANY), "m, row by row, each row along x; with `columns` and `spacing`."),
+        optional(
+            "heights",
+            Ty::Numbers(&[], ANY),
+            "m, row by row, each row along x; with `columns` and `spacing`.",
+        ),
         optional("columns", Ty::Int(2, 4097), "Samples in a row."),
         optional("spacing", Ty::Numbers(&[2], POSITIVE), "Distance of samples along x and y, m."),
     ]],
@@ -58,7 +62,7 @@ fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
+fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
     let (key, columns, rows, spacing, heights) = if let Some(keys) = table.table("terrain") {
         let grid = terrain::heights(keys, context.seed, &table.path);
         ("terrain", grid.columns, grid.rows, grid.spacing, grid.heights)

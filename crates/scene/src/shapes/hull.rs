@@ -1,6 +1,6 @@
 //! Convex hulls of points, or of the corners of a mesh file.
 
-use super::{Cook, ShapeKind, failed, one, only_one_of, path_of};
+use super::{ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
 use crate::mesh_file;
 use crate::node::Table;
@@ -8,6 +8,7 @@ use crate::spec::{POSITIVE, Spec, Ty, key, optional};
 use rockfall::Shape;
 use rockfall_math::Vec3;
 use rockfall_shape::{Hull, HullError};
+use std::path::Path;
 use std::sync::Arc;
 
 pub(super) static HULL_KEYS: Spec = Spec {
@@ -32,7 +33,7 @@ pub(super) static HULL: ShapeKind = ShapeKind {
     members: one,
     memory: |_| 16 << 10,
     check: |table| only_one_of(table, &["points", "file"]).map(|_| ()),
-    cook: |table, cook| Ok(vec![read(table, cook)?]),
+    cook: |table, _| Ok(vec![read(table)?]),
 };
 
 /// The hull of at most `max_vertices` corners.
@@ -40,11 +41,10 @@ pub(super) fn cook(points: &[Vec3], max_vertices: usize) -> Result<Shape, HullEr
     Ok(Shape::Hull(Arc::new(Hull::from_points_at_most(points, max_vertices)?)))
 }
 
-fn read(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
+fn read(table: &Table) -> Result<Shape, Problem> {
     let key = only_one_of(table, &["points", "file"])?;
     let mut points = if key == "file" {
-        let path = path_of(table, "file", context.sources);
-        mesh_file::read(&path).map_err(|e| failed(table, "file", e))?.vertices
+        mesh_file::read(Path::new(table.text("file"))).map_err(|e| failed(table, "file", e))?.vertices
     } else {
         table.points("points")
     };

@@ -1,6 +1,6 @@
 //! Triangle meshes of immovable bodies: from a file, from lists, or procedural terrain.
 
-use super::{Cook, ShapeKind, failed, one, only_one_of, path_of};
+use super::{Cook, ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
 use crate::mesh_file;
 use crate::node::Table;
@@ -9,6 +9,7 @@ use crate::terrain::{self, TERRAIN};
 use rockfall::Shape;
 use rockfall_math::Vec3;
 use rockfall_shape::Mesh;
+use std::path::Path;
 use std::sync::Arc;
 
 pub(super) static MESH_KEYS: Spec = Spec {
@@ -61,12 +62,12 @@ fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
+fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
     let source = only_one_of(table, SOURCES)?;
     let (mut vertices, triangles) = match source {
         "file" => {
-            let path = path_of(table, "file", context.sources);
-            let soup = mesh_file::read(&path).map_err(|e| failed(table, "file", e))?;
+            let soup =
+                mesh_file::read(Path::new(table.text("file"))).map_err(|e| failed(table, "file", e))?;
             (soup.vertices, soup.triangles)
         }
         "terrain" => ground(table, context),
@@ -85,7 +86,7 @@ fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
 }
 
 /// Terrain as triangles, each cell cut from (i, j) to (i + 1, j + 1) as in a height field.
-fn ground(table: &Table, context: &Cook<'_>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn ground(table: &Table, context: &Cook) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let Some(keys) = table.table("terrain") else { return (Vec::new(), Vec::new()) };
     let grid = terrain::heights(keys, context.seed, &table.path);
     let (columns, rows) = (grid.columns, grid.rows);

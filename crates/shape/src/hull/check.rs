@@ -49,9 +49,9 @@ pub enum HullDefect {
 }
 
 impl Hull {
-    /// Derives every promise of a hull anew: closed loops, each edge in exactly two faces, V - E + F = 2, planes
-    /// that touch their own corners and have all others below them, convex faces, a centre inside. Lengths may be
-    /// off by a few millionths of the extent. Costs corners × faces.
+    /// Derives every promise of a hull anew: closed loops, each edge in exactly two faces, V - E + F = 2,
+    /// planes that touch their own corners and have all others below them, convex faces, a centre inside.
+    /// Lengths may be off by a few millionths of the extent. Costs corners × faces.
     ///
     /// # Errors
     /// The first promise that is broken.

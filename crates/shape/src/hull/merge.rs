@@ -1,11 +1,11 @@
 //! From the triangles of a convex surface to its polygon faces.
 //!
-//! In: triangles of an exact convex hull. Out: faces, each a plane and a closed loop of corners, or corners that
-//! the polyhedron is better off without: those in the middle of a face or of an edge. The caller takes those
-//! away, builds the hull of the rest and asks again until none is left.
+//! In: triangles of an exact convex hull. Out: faces, each a plane and a closed loop of corners, or corners
+//! that the polyhedron is better off without: those in the middle of a face or of an edge. The caller takes
+//! those away, builds the hull of the rest and asks again until none is left.
 //!
-//! A face grows from its largest triangle over all neighbours within `tolerance` of that triangle's plane. The hull
-//! is convex, so that this plane supports it: all corners lie on or below it.
+//! A face grows from its largest triangle over all neighbours within `tolerance` of that triangle's plane.
+//! The hull is convex, so that this plane supports it: all corners lie on or below it.
 
 use rockfall_math::DVec3;
 use std::collections::VecDeque;

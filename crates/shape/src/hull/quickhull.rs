@@ -1,12 +1,12 @@
 //! Quickhull (Barber, Dobkin, Huhdanpaa 1996) over exact predicates.
 //!
-//! In: points, how many corners are wanted at most, how near to the hull is near enough. Out: the triangles of the
-//! convex hull, counter-clockwise from outside.
+//! In: points, how many corners are wanted at most, how near to the hull is near enough. Out: the triangles
+//! of the convex hull, counter-clockwise from outside.
 //!
-//! Whether a point sees a facet is decided by Shewchuk's exact `orient3d`. With the true sign, "sees" strict and
-//! coplanar counting as not seeing, the facets that a point sees always form one disc and no new facet is ever
-//! degenerate, so that coincident, collinear and coplanar points need no special care and the outcome is a true
-//! convex surface for every input. Plain floating-point distances only choose which point comes next.
+//! Whether a point sees a facet is decided by Shewchuk's exact `orient3d`. With the true sign, "sees" strict
+//! and coplanar counting as not seeing, the facets that a point sees always form one disc and no new facet is
+//! ever degenerate, so that coincident, collinear and coplanar points need no special care and the outcome is
+//! a true convex surface for every input. Plain floating-point distances only choose which point comes next.
 //!
 //! The next point is always the one farthest outside, so that stopping early, at a number of corners or at a
 //! distance, leaves a hull inside the full one that is good for its size.
@@ -38,7 +38,8 @@ struct Facet {
     alive: bool,
 }
 
-/// The farthest point of a facet: distance as bits (positive floats sort as their bits do), then the lowest point.
+/// The farthest point of a facet: distance as bits (positive floats sort as their bits do), then the lowest
+/// point.
 type Candidate = (u64, Reverse<u32>, u32);
 
 struct Builder<'a> {
@@ -72,8 +73,8 @@ pub(super) fn quickhull(points: &[DVec3], goal: Goal) -> Result<Vec<[u32; 3]>, H
     Ok(builder.facets.into_iter().filter(|f| f.alive).map(|f| f.corners).collect())
 }
 
-/// Four points that span a tetrahedron as large as is quickly found; the first three are counter-clockwise seen
-/// from the side where the fourth is not.
+/// Four points that span a tetrahedron as large as is quickly found; the first three are counter-clockwise
+/// seen from the side where the fourth is not.
 fn simplex(points: &[DVec3], flat: f64) -> Result<[u32; 4], HullError> {
     let lowest = |a: &usize, b: &usize| points[*a].x.total_cmp(&points[*b].x).then(a.cmp(b));
     let a = (0..points.len()).min_by(lowest).unwrap_or(0);
@@ -132,8 +133,8 @@ impl Builder<'_> {
         self.facets.push(Facet { corners, neighbours, normal, outside: Vec::new(), alive: true });
     }
 
-    /// Gives each waiting point to the facet, among those from `from` on, that it sees from farthest. A point that
-    /// sees none of them is inside.
+    /// Gives each waiting point to the facet, among those from `from` on, that it sees from farthest. A point
+    /// that sees none of them is inside.
     fn distribute(&mut self, waiting: Vec<u32>, from: usize) {
         for p in waiting {
             let mut best: Option<(f64, usize)> = None;

@@ -227,3 +227,45 @@ fn a_broken_hull_does_not_pass_the_check() {
     assert_eq!(broken(|h| h.offsets[1] += 0.01), HullDefect::Plane { face: 1, vertex: 0 });
     assert_eq!(broken(|h| h.inner_radius = 0.9), HullDefect::Summary);
 }
+
+#[test]
+fn without_a_tolerance_every_face_is_a_triangle_of_the_exact_hull() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let mut points = Hull::cuboid(Vec3::ONE).vertices;
+    for _ in 0..300 {
+        let mut p = point(&mut rng);
+        p[rng.next_u32() as usize % 3] = 1.0;
+        points.push(p + 1e-7 * point(&mut rng));
+    }
+    let whole = tolerance(&Aabb::from_points(points.iter().copied()));
+    let (corners, faces) = polyhedron(&points, usize::MAX, whole, 0.0).unwrap().unwrap();
+    assert!(corners.len() > 20 && faces.iter().all(|f| f.len() == 3));
+    Hull::assemble(corners, &faces).check().unwrap();
+}
+
+#[test]
+fn too_many_corners_are_refused_and_can_be_simplified() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let points: Vec<Vec3> = (0..40_000).map(|_| direction(&mut rng)).collect();
+    assert_eq!(Hull::from_points(&points), Err(HullError::TooManyCorners));
+    let hull = Hull::from_points_at_most(&points, 100).unwrap();
+    hull.check().unwrap();
+    assert_eq!(hull.vertices.len(), 100);
+    assert!(moments(hull.triangles()).volume > 0.9 * 4.0 / 3.0 * std::f64::consts::PI);
+}
+
+#[test]
+fn a_hull_and_its_mass_have_the_same_bits_everywhere() {
+    let mut rng = ChaCha8Rng::seed_from_u64(13);
+    let points: Vec<Vec3> = (0..200).map(|_| point(&mut rng)).collect();
+    let hull = cook(&points);
+    let floats = hull.vertices.iter().chain(&hull.normals).flat_map(|v| v.to_array());
+    let floats = floats.chain(hull.offsets.iter().copied()).map(|x| u64::from(x.to_bits()));
+    let words: Vec<u64> = floats.chain(hull.loops.iter().map(|&c| u64::from(c))).collect();
+    let mass = crate::Shape::Hull(std::sync::Arc::new(hull)).mass_properties(2600.0).unwrap();
+    let (moments, frame) = mass.principal();
+    let mass = [[mass.mass, moments.x, moments.y, moments.z], frame.to_array()];
+    let mass = mass.as_flattened().iter().map(|x| u64::from(x.to_bits()));
+    let hash = words.into_iter().chain(mass).fold(0, rockfall_math::hash::combine);
+    assert_eq!(hash, 12_024_146_774_924_908_373);
+}

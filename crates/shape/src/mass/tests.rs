@@ -53,8 +53,8 @@ fn a_box_weighs_the_same_as_box_hull_and_mesh() {
 
 #[test]
 fn a_tetrahedron_matches_its_closed_form() {
-    // Corner at the origin, legs 1: volume 1/6, centre 1/4, second moments about the origin 1/60 (squares) and 1/120
-    // (products), thus about the centre 1/60 - 1/96 = 1/160 and 1/120 - 1/96 = -1/480.
+    // Corner at the origin, legs 1: volume 1/6, centre 1/4, second moments about the origin 1/60 (squares)
+    // and 1/120 (products), thus about the centre 1/60 - 1/96 = 1/160 and 1/120 - 1/96 = -1/480.
     let found = hull(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]).mass_properties(1.0).unwrap();
     let (d, p) = (1.0 / 80.0, 1.0 / 480.0);
     let inertia = Mat3::from_cols(Vec3::new(d, p, p), Vec3::new(p, d, p), Vec3::new(p, p, d));

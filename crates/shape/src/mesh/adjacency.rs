@@ -45,8 +45,8 @@ pub(super) fn join(
     (kinds, neighbours)
 }
 
-/// How the surface bends at the edge `along`, counter-clockwise around the triangle with normal `n`, towards the one
-/// with normal `m`.
+/// How the surface bends at the edge `along`, counter-clockwise around the triangle with normal `n`, towards
+/// the one with normal `m`.
 fn bend(n: DVec3, m: DVec3, along: DVec3) -> EdgeKind {
     let turn = n.cross(m);
     let sharp = turn.length() > FLAT;

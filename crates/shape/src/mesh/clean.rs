@@ -57,7 +57,8 @@ fn has_area(corners: [Vec3; 3]) -> bool {
     doubled_area(corners).length() > THINNEST * longest
 }
 
-/// Unmarks all but the first of triangles with the same corners in the same orientation, and counts the others.
+/// Unmarks all but the first of triangles with the same corners in the same orientation, and counts the
+/// others.
 fn drop_twins(triangles: &[[u32; 3]], keep: &mut [bool]) -> usize {
     let key = |t: &[u32; 3]| {
         let mut turned = *t;

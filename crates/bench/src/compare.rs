@@ -1,0 +1,172 @@
+//! Runs engines turn by turn, and takes medians.
+
+use crate::child::{Block, Child, Outcome};
+use crate::options::Options;
+use crate::{Error, engine};
+use serde::Serialize;
+
+/// One engine on one scene: a line of the table.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Line {
+    pub(crate) scene: &'static str,
+    pub(crate) bodies: usize,
+    pub(crate) threads: usize,
+    pub(crate) engine: &'static str,
+    pub(crate) version: &'static str,
+    /// Median over all timed turns of all runs.
+    pub(crate) ms_per_step: f64,
+    /// Of the fastest timed turn.
+    pub(crate) best_ms_per_step: f64,
+    /// Time as a multiple of the first engine's: the median over turns that were next to each other.
+    pub(crate) times_first: f64,
+    /// On the processors, all threads together; the median over all timed turns.
+    pub(crate) cpu_ms_per_step: Option<f64>,
+    /// The same as a multiple of the first engine's.
+    pub(crate) cpu_times_first: Option<f64>,
+    /// Of all dynamic bodies, kg.
+    pub(crate) mass_kg: f64,
+    /// Pairs that overlap at the end.
+    pub(crate) overlapping_pairs: usize,
+    pub(crate) penetration_mean_mm: f64,
+    pub(crate) penetration_p99_mm: f64,
+    pub(crate) penetration_max_mm: f64,
+    pub(crate) escaped: usize,
+    pub(crate) kinetic_joule: f64,
+    pub(crate) rms_speed_mm_per_s: f64,
+    /// Bodies faster than 50 mm/s.
+    pub(crate) moving: usize,
+    pub(crate) top_drop_mm: Option<f64>,
+    /// Peak memory of the engine by the number of bodies.
+    pub(crate) bytes_per_body: Option<f64>,
+    /// Times of the stages, milliseconds per step, medians.
+    pub(crate) stages: Vec<(String, f64)>,
+}
+
+/// All that one engine gave in all runs.
+struct Runs {
+    kind: engine::Kind,
+    blocks: Vec<Block>,
+    outcomes: Vec<Outcome>,
+}
+
+/// One scene in all engines. `say` hears how far it is.
+pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
+    let scene = options.only_scene()?;
+    let mut runs: Vec<Runs> =
+        options.engines.iter().map(|&kind| Runs { kind, blocks: Vec::new(), outcomes: Vec::new() }).collect();
+    for repeat in 1..=options.repeats {
+        let children = options.engines.iter().map(|&kind| Child::start(options, kind));
+        let mut children = children.collect::<Result<Vec<_>, _>>()?;
+        let mut done = 0;
+        for (number, turn) in options.turns().into_iter().enumerate() {
+            let mut order: Vec<usize> = (0..children.len()).collect();
+            // Whoever goes first meets colder caches or a busier neighbour: they take turns at that, too.
+            order.rotate_left((number + repeat as usize) % children.len().max(1));
+            let mut last = String::new();
+            for i in order {
+                let block = children[i].step(turn.steps)?;
+                last += &format!("  {} {:.1} ms", runs[i].kind.name(), block.wall);
+                if turn.timed {
+                    runs[i].blocks.push(block);
+                }
+            }
+            done += turn.steps;
+            say(&format!("{} run {repeat}/{} step {done}{last}", scene.name(), options.repeats));
+        }
+        for (run, child) in runs.iter_mut().zip(children) {
+            run.outcomes.push(child.finish()?);
+        }
+    }
+    let Some(first) = runs.first() else { return Ok(Vec::new()) };
+    runs.iter().map(|run| line(options, scene.name(), run, first)).collect()
+}
+
+fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Result<Line, Error> {
+    let outcomes = &run.outcomes;
+    let Some(any) = outcomes.first() else {
+        return Err(Error::Engine { engine: run.kind.name(), reason: "it has no result".to_owned() });
+    };
+    let walls = || run.blocks.iter().map(|b| b.wall);
+    let pairs = || run.blocks.iter().zip(&first.blocks);
+    let of = |read: &dyn Fn(&Outcome) -> f64| median(outcomes.iter().map(read));
+    let stage = |i: usize, name: &str| {
+        (name.to_owned(), median(run.blocks.iter().filter_map(|b| b.stages.get(i)).map(|s| s.1)))
+    };
+    let cpu: Option<Vec<f64>> = run.blocks.iter().map(|b| b.cpu).collect();
+    let cpu_ratio: Option<Vec<f64>> = pairs().map(|(b, f)| Some(b.cpu? / f.cpu?)).collect();
+    Ok(Line {
+        scene,
+        bodies: any.bodies,
+        threads: options.threads,
+        engine: run.kind.name(),
+        version: run.kind.version(),
+        ms_per_step: median(walls()),
+        best_ms_per_step: walls().fold(f64::INFINITY, f64::min),
+        times_first: median(pairs().map(|(b, f)| b.wall / f.wall)),
+        cpu_ms_per_step: cpu.map(median),
+        cpu_times_first: cpu_ratio.map(median),
+        mass_kg: any.mass,
+        overlapping_pairs: of(&|o| o.quality.overlapping as f64) as usize,
+        penetration_mean_mm: of(&|o| o.quality.mean_mm),
+        penetration_p99_mm: of(&|o| o.quality.p99_mm),
+        penetration_max_mm: of(&|o| o.quality.deepest_mm),
+        escaped: outcomes.iter().map(|o| o.quality.escaped).max().unwrap_or(0),
+        kinetic_joule: of(&|o| o.quality.kinetic),
+        rms_speed_mm_per_s: of(&|o| 1e3 * o.quality.rms_speed),
+        moving: of(&|o| o.quality.moving as f64) as usize,
+        top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
+        bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
+        stages: run.blocks.first().map_or(Vec::new(), |b| {
+            b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
+        }),
+    })
+}
+
+/// The middle one, or the mean of the two in the middle; NaN of nothing.
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match sorted.len() {
+        0 => f64::NAN,
+        n => 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quality::Quality;
+    use clap::Parser;
+
+    #[test]
+    fn medians_are_in_the_middle() {
+        assert_eq!(median([3.0, 1.0, 100.0]), 3.0);
+        assert_eq!(median([4.0, 1.0, 2.0, 100.0]), 3.0);
+        assert!(median([]).is_nan());
+    }
+
+    #[test]
+    fn ratios_are_of_turns_that_were_neighbours() {
+        let runs = |kind, walls: &[f64]| Runs {
+            kind,
+            blocks: walls
+                .iter()
+                .map(|&wall| Block { wall, cpu: Some(2.0 * wall), stages: Vec::new() })
+                .collect(),
+            outcomes: vec![Outcome {
+                bodies: 10,
+                mass: 1.0,
+                memory: Some(5000),
+                quality: Quality::default(),
+            }],
+        };
+        // A neighbour on the machine doubles the times of both in the last two turns: the ratio does not see it.
+        let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
+        let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
+        let options = Options::parse_from(["rockfall-bench"]);
+        let line = line(&options, "box-pile", &peer, &ours).expect("a line");
+        assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
+        assert_eq!((line.ms_per_step, line.best_ms_per_step), (22.5, 15.0));
+        assert_eq!(line.bytes_per_body, Some(500.0));
+    }
+}

@@ -1,0 +1,143 @@
+//! The engines, behind one face.
+
+#[cfg(feature = "peers")]
+mod rapier;
+mod rockfall;
+
+use crate::Error;
+use crate::scene::Scene;
+use ::rockfall::math::Pose;
+
+/// An engine that holds a scene.
+pub(crate) trait Engine {
+    /// One frame.
+    fn step(&mut self);
+
+    /// Pose of each dynamic body's shape frame, in the order of [`Scene::bodies`].
+    fn poses(&self) -> Vec<Pose>;
+
+    /// Of all dynamic bodies together, as the engine has it, kg.
+    fn mass(&self) -> f64;
+
+    /// Names of the stages of the last step and their times in milliseconds, where the engine tells them.
+    fn stages(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
+}
+
+/// Which engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Kind {
+    /// Ours.
+    Rockfall,
+    /// `rapier3d`; only with the feature `peers`.
+    Rapier,
+}
+
+impl Kind {
+    /// As on the command line.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Kind::Rockfall => "rockfall",
+            Kind::Rapier => "rapier",
+        }
+    }
+
+    /// Whether this build has it.
+    pub(crate) fn is_built(self) -> bool {
+        self == Kind::Rockfall || cfg!(feature = "peers")
+    }
+
+    /// Of the engine in this build.
+    pub(crate) fn version(self) -> &'static str {
+        match self {
+            Kind::Rockfall => env!("CARGO_PKG_VERSION"),
+            #[cfg(feature = "peers")]
+            Kind::Rapier => rapier3d::VERSION,
+            #[cfg(not(feature = "peers"))]
+            Kind::Rapier => "not built",
+        }
+    }
+
+    /// The engine with the scene in it and its own defaults, but sleeping off.
+    pub(crate) fn build(self, scene: &Scene, threads: usize) -> Result<Box<dyn Engine>, Error> {
+        match self {
+            Kind::Rockfall => Ok(Box::new(rockfall::Rockfall::new(scene, threads)?)),
+            #[cfg(feature = "peers")]
+            Kind::Rapier => Ok(Box::new(rapier::Rapier::new(scene, threads)?)),
+            #[cfg(not(feature = "peers"))]
+            Kind::Rapier => Err(Error::NotBuilt(self.name())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{quality, scene};
+
+    /// Mass of the scene from its shapes alone, kg.
+    fn mass_of(scene: &Scene) -> f64 {
+        let mass = |shape: usize| scene.shapes[shape].mass_properties(scene::DENSITY).expect("a solid").mass;
+        scene.bodies.iter().map(|b| f64::from(mass(b.shape))).sum()
+    }
+
+    fn built() -> impl Iterator<Item = Kind> {
+        [Kind::Rockfall, Kind::Rapier].into_iter().filter(|kind| kind.is_built())
+    }
+
+    #[test]
+    fn engines_build_the_same_scene() {
+        for kind in [scene::Kind::BoxPile, scene::Kind::BallPit, scene::Kind::HullPile, scene::Kind::Pyramid]
+        {
+            let scene = kind.build(300, 7).expect("a scene");
+            let expected = mass_of(&scene);
+            for engine in built() {
+                let world = engine.build(&scene, 1).expect("an engine");
+                let mass = world.mass();
+                assert!(
+                    (mass / expected - 1.0).abs() < 1e-4,
+                    "{engine:?} {kind:?}: {mass} kg, not {expected}"
+                );
+                for (pose, body) in world.poses().iter().zip(&scene.bodies) {
+                    assert!((pose.position - body.pose.position).length() < 1e-5, "{engine:?} {kind:?}");
+                    assert!(pose.rotation.dot(body.pose.rotation).abs() > 1.0 - 1e-6, "{engine:?} {kind:?}");
+                }
+                assert_eq!(world.poses().len(), scene.bodies.len());
+            }
+        }
+    }
+
+    #[test]
+    fn engines_fall_alike_before_anything_touches() {
+        let scene = scene::Kind::Pyramid.build(1, 0).expect("a scene");
+        let mut scene = scene;
+        scene.bodies[0].pose.position.z = 100.0;
+        for engine in built() {
+            let mut world = engine.build(&scene, 1).expect("an engine");
+            for _ in 0..60 {
+                world.step();
+            }
+            let fallen = 100.0 - world.poses()[0].position.z;
+            // g t²/2 up to what a sub-step of 1/240 s or a step of 1/60 s adds.
+            assert!((4.9..5.0).contains(&fallen), "{engine:?} {fallen}");
+        }
+    }
+
+    #[test]
+    fn a_small_pile_comes_to_rest_in_its_room() {
+        let scene = scene::Kind::BoxPile.build(60, 7).expect("a scene");
+        for engine in built() {
+            let mut world = engine.build(&scene, 2).expect("an engine");
+            for _ in 0..300 {
+                world.step();
+            }
+            let before = world.poses();
+            world.step();
+            let quality = quality::measure(&scene, &before, &world.poses());
+            assert_eq!(quality.escaped, 0, "{engine:?}");
+            assert!(quality.overlapping > 60 && quality.mean_mm < 10.0, "{engine:?} {quality:?}");
+            assert!(quality.rms_speed < 0.1, "{engine:?} {quality:?}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Rapier with the settings that it comes with: feature `parallel` (its SIMD is always on), a pool of its own, all
+//! parameters at their defaults. Friction and restitution mix by its average, which changes nothing where all
+//! materials are equal.
+
+use super::Engine;
+use crate::Error;
+use crate::scene::{self, Scene};
+use rapier3d::math::{Pose as Place, Vector};
+use rapier3d::prelude::*;
+use rockfall::Shape;
+use rockfall::math::{Pose, Quat};
+
+pub(super) struct Rapier {
+    world: PhysicsWorld,
+    handles: Vec<RigidBodyHandle>,
+}
+
+impl Rapier {
+    pub(super) fn new(scene: &Scene, threads: usize) -> Result<Self, Error> {
+        let mut world = PhysicsWorld::new();
+        world.gravity = Vector::new(0.0, 0.0, -scene::GRAVITY);
+        world.integration_parameters.dt = 1.0 / scene::RATE;
+        world
+            .configure_thread_pool(threads)
+            .map_err(|e| Error::Engine { engine: "rapier", reason: e.to_string() })?;
+        let shapes = scene.shapes.iter().map(shared).collect::<Result<Vec<_>, _>>()?;
+        let collider = |shape: usize| {
+            ColliderBuilder::new(shapes[shape].clone())
+                .density(scene::DENSITY)
+                .friction(scene::FRICTION)
+                .restitution(scene::RESTITUTION)
+        };
+        for fixed in &scene.fixed {
+            world.insert(RigidBodyBuilder::fixed().pose(place(&fixed.pose)), collider(fixed.shape));
+        }
+        let bodies = scene.bodies.iter();
+        let handles = bodies
+            .map(|p| {
+                let body = RigidBodyBuilder::dynamic().pose(place(&p.pose)).can_sleep(false);
+                world.insert(body, collider(p.shape)).0
+            })
+            .collect();
+        Ok(Rapier { world, handles })
+    }
+}
+
+impl Engine for Rapier {
+    fn step(&mut self) {
+        self.world.step();
+    }
+
+    fn poses(&self) -> Vec<Pose> {
+        let pose = |handle: &RigidBodyHandle| {
+            let place = self.world.bodies[*handle].position();
+            let q = place.rotation;
+            Pose { position: place.translation.as_dvec3(), rotation: Quat::from_xyzw(q.x, q.y, q.z, q.w) }
+        };
+        self.handles.iter().map(pose).collect()
+    }
+
+    fn mass(&self) -> f64 {
+        // Before the first step a body does not know its colliders' masses.
+        let colliders = |handle: &RigidBodyHandle| self.world.bodies[*handle].colliders();
+        self.handles
+            .iter()
+            .flat_map(colliders)
+            .map(|&c| f64::from(self.world.colliders[c].mass_properties().mass()))
+            .sum()
+    }
+}
+
+fn place(pose: &Pose) -> Place {
+    Place::from_parts(pose.position.as_vec3(), pose.rotation)
+}
+
+fn shared(shape: &Shape) -> Result<SharedShape, Error> {
+    let refused = || Error::Engine { engine: "rapier", reason: format!("no such shape: a {}", shape.name()) };
+    match shape {
+        Shape::Sphere { radius } => Ok(SharedShape::ball(*radius)),
+        Shape::Box { half } => Ok(SharedShape::cuboid(half.x, half.y, half.z)),
+        Shape::Hull(hull) => SharedShape::convex_hull(&hull.vertices).ok_or_else(refused),
+        _ => Err(refused()),
+    }
+}

@@ -1,0 +1,75 @@
+//! `rockfall-bench`: Rockfall and its peers side by side on the same scenes.
+//!
+//! Each engine runs in a process of its own that holds the scene. The processes take turns of a few steps, so that
+//! whatever else goes on in the machine hits all of them alike; compare ratios, not times of different runs. How
+//! good the result is, is computed from poses and shapes alone, by one function for all.
+
+#![forbid(unsafe_code)]
+
+mod child;
+mod compare;
+mod engine;
+mod options;
+mod process;
+mod quality;
+mod scene;
+mod table;
+
+use clap::Parser;
+use options::Options;
+use std::process::ExitCode;
+
+/// What can go wrong.
+#[derive(Debug, thiserror::Error)]
+enum Error {
+    #[error(
+        "this build has no {0}; build it with `cargo build --release -p rockfall-bench --features peers`, \
+         or choose `--engines rockfall`"
+    )]
+    NotBuilt(&'static str),
+    #[error("{engine}: {reason}")]
+    Engine { engine: &'static str, reason: String },
+    #[error("expected one scene, not {0}")]
+    Scenes(usize),
+    #[error("rockfall: {0}")]
+    World(#[from] rockfall::Error),
+    #[error("{0}")]
+    Hull(#[from] rockfall::shape::HullError),
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+    #[error("{0}")]
+    Json(#[from] serde_json::Error),
+    #[error("{0}")]
+    Csv(#[from] csv::Error),
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let result = match options.child {
+        Some(kind) => child::serve(&options, kind, std::io::stdin().lock(), std::io::stdout().lock()),
+        None => run(&options),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), Error> {
+    if let Some(missing) = options.engines.iter().find(|kind| !kind.is_built()) {
+        return Err(Error::NotBuilt(missing.name()));
+    }
+    let mut lines = Vec::new();
+    for &scene in &options.scene {
+        lines.extend(compare::compare(&options.with_scene(scene), |progress| eprintln!("{progress}"))?);
+    }
+    println!("{}, {} runs of {} steps\n", process::machine(), options.repeats, options.steps);
+    println!("{}\n{}", table::markdown(&lines), table::stages(&lines));
+    match &options.out {
+        Some(folder) => table::write(folder, options, &lines),
+        None => Ok(()),
+    }
+}

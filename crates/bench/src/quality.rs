@@ -1,0 +1,242 @@
+//! How good a result is, from poses and shapes alone: the same for every engine.
+
+use crate::scene::{self, Placed, Scene};
+use rayon::prelude::*;
+use rockfall::math::{Aabb, DVec3, Mat3, Pose, rotation};
+use rockfall_collide::distance;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+
+/// Figures of a state.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Quality {
+    /// Pairs of bodies, or of a body and ground or wall, that share more than a point.
+    pub(crate) overlapping: usize,
+    /// Mean depth of those pairs, millimetres: the length of the shortest translation that parts the two.
+    pub(crate) mean_mm: f64,
+    /// Depth that 99 % of those pairs do not exceed, millimetres.
+    pub(crate) p99_mm: f64,
+    /// The largest depth, millimetres.
+    pub(crate) deepest_mm: f64,
+    /// Bodies whose centre is under the ground or behind a wall, or whose pose is not finite.
+    pub(crate) escaped: usize,
+    /// Kinetic energy by the difference of two poses, J.
+    pub(crate) kinetic: f64,
+    /// √(2 E / M): the speed at which the whole mass would have that energy, m/s.
+    pub(crate) rms_speed: f64,
+    /// Bodies whose centre of mass is faster than [`MOVING`].
+    pub(crate) moving: usize,
+    /// How far the top has sunk since the start, millimetres.
+    pub(crate) top_drop_mm: Option<f64>,
+}
+
+/// m/s. Faster than anything that an engine would let fall asleep.
+const MOVING: f64 = 0.05;
+
+/// Judges `after`; `before` are the poses one step earlier. Both in the order of the scene's bodies.
+pub(crate) fn measure(scene: &Scene, before: &[Pose], after: &[Pose]) -> Quality {
+    let depths = depths(scene, after);
+    let Motion { kinetic, mass, moving } = motion(scene, before, after);
+    let top = scene.top.map(|i| scene.bodies[i].pose.position.z - after[i].position.z);
+    Quality {
+        overlapping: depths.len(),
+        mean_mm: 1e3 * depths.iter().sum::<f64>() / depths.len().max(1) as f64,
+        p99_mm: 1e3 * percentile(&depths, 99),
+        deepest_mm: 1e3 * percentile(&depths, 100),
+        escaped: after.iter().filter(|pose| has_escaped(scene, pose)).count(),
+        kinetic,
+        rms_speed: if mass > 0.0 { (2.0 * kinetic / mass).sqrt() } else { 0.0 },
+        moving,
+        top_drop_mm: top.map(|drop| 1e3 * drop),
+    }
+}
+
+/// The smallest of `sorted` that at least `percent` % do not exceed.
+fn percentile(sorted: &[f64], percent: usize) -> f64 {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    rank.checked_sub(1).map_or(0.0, |i| sorted[i])
+}
+
+fn is_finite(pose: &Pose) -> bool {
+    pose.position.is_finite() && pose.rotation.is_finite()
+}
+
+fn has_escaped(scene: &Scene, pose: &Pose) -> bool {
+    let p = pose.position;
+    !is_finite(pose) || p.z < 0.0 || p.x.abs() > scene.half_width || p.y.abs() > scene.half_width
+}
+
+/// Depths of all overlapping pairs, metres, ascending.
+fn depths(scene: &Scene, poses: &[Pose]) -> Vec<f64> {
+    let placed: Vec<Placed> = scene
+        .bodies
+        .iter()
+        .zip(poses)
+        .filter(|(_, pose)| is_finite(pose))
+        .map(|(body, &pose)| Placed { pose, ..*body })
+        .collect();
+    let bounds = |p: &Placed| scene.shapes[p.shape].placed_bounds(&p.pose);
+    let boxes: Vec<Aabb> = placed.iter().map(bounds).collect();
+    let fixed: Vec<Aabb> = scene.fixed.iter().map(bounds).collect();
+    let depth = |a: &Placed, b: &Placed| {
+        let found = distance(&scene.shapes[a.shape], &scene.shapes[b.shape], &a.pose.see(&b.pose));
+        found.filter(|d| d.distance < 0.0).map(|d| -f64::from(d.distance))
+    };
+
+    // No box is larger than a cell, so that boxes that overlap are in the same or in neighbouring cells.
+    let largest = boxes.iter().map(|b| b.half_extents().max_element()).fold(f32::MIN_POSITIVE, f32::max);
+    let cell = |b: &Aabb| (b.center() / (2.0 * largest)).floor().to_array().map(|x| x as i64);
+    let mut grid: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+    for (i, b) in boxes.iter().enumerate() {
+        grid.entry(cell(b)).or_default().push(i);
+    }
+    let mut depths: Vec<f64> = (0..placed.len())
+        .into_par_iter()
+        .flat_map_iter(|i| {
+            let [x, y, z] = cell(&boxes[i]);
+            let cells = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
+            let others = cells.filter_map(|c| grid.get(&c)).flatten().copied().filter(move |&j| j > i);
+            let (placed, boxes) = (&placed, &boxes);
+            let bodies = others.filter(move |&j| boxes[i].overlaps(&boxes[j])).map(move |j| &placed[j]);
+            let solid = scene.fixed.iter().zip(&fixed).filter(move |(_, b)| boxes[i].overlaps(b));
+            bodies.chain(solid.map(|(f, _)| f)).filter_map(move |other| depth(&placed[i], other))
+        })
+        .collect();
+    depths.sort_unstable_by(f64::total_cmp);
+    depths
+}
+
+/// Of the bodies with finite poses.
+#[derive(Default)]
+struct Motion {
+    /// J.
+    kinetic: f64,
+    /// kg.
+    mass: f64,
+    moving: usize,
+}
+
+fn motion(scene: &Scene, before: &[Pose], after: &[Pose]) -> Motion {
+    let rate = f64::from(scene::RATE);
+    let pairs = scene.bodies.iter().zip(before.iter().zip(after));
+    let mut sums = Motion::default();
+    for (body, (old, new)) in pairs.filter(|(_, (old, new))| is_finite(old) && is_finite(new)) {
+        let Some(solid) = scene.shapes[body.shape].mass_properties(scene::DENSITY) else { continue };
+        let mass = f64::from(solid.mass);
+        let velocity = (new.point(solid.center) - old.point(solid.center)) * rate;
+        let turn = rotation::compose(new.rotation, rotation::inverse(old.rotation));
+        let [x, y, z, w] = turn.to_array().map(f64::from);
+        let axis = DVec3::new(x, y, z);
+        // |axis| is the sine and w the cosine of half the angle; q and −q are one rotation.
+        let angle = 2.0 * axis.length().atan2(w.abs());
+        let spin = axis.normalize_or_zero() * (angle * rate * w.signum());
+        let axes = Mat3::from_quat(new.rotation).as_dmat3();
+        let local = axes.transpose() * spin;
+        sums.kinetic +=
+            0.5 * (mass * velocity.length_squared() + local.dot(solid.inertia.as_dmat3() * local));
+        sums.mass += mass;
+        sums.moving += usize::from(velocity.length() > MOVING);
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockfall::Shape;
+    use rockfall::math::{Quat, Vec3};
+
+    /// A ground, and unit boxes or unit balls at these places.
+    fn scene(shape: Shape, places: &[[f64; 3]]) -> (Scene, Vec<Pose>) {
+        let ground = Shape::Box { half: Vec3::new(50.0, 50.0, 1.0) };
+        let poses: Vec<Pose> = places.iter().map(|&p| Pose::at(DVec3::from_array(p))).collect();
+        let fixed = vec![Placed { shape: 0, pose: Pose::at(DVec3::new(0.0, 0.0, -1.0)) }];
+        let bodies = poses.iter().map(|&pose| Placed { shape: 1, pose }).collect();
+        (Scene { shapes: vec![ground, shape], fixed, bodies, half_width: 10.0, top: None }, poses)
+    }
+
+    fn unit_box() -> Shape {
+        Shape::Box { half: Vec3::splat(0.5) }
+    }
+
+    #[test]
+    fn depths_of_boxes_are_those_of_the_hand() {
+        // 2 mm into the ground; 5 mm into that; apart; 10 mm into each other sideways.
+        let (scene, poses) = scene(
+            unit_box(),
+            &[[0.0, 0.0, 0.498], [0.3, 0.2, 1.493], [5.0, 0.0, 0.51], [-3.0, 0.0, 4.0], [-2.01, 0.4, 4.2]],
+        );
+        let q = measure(&scene, &poses, &poses);
+        assert_eq!(q.overlapping, 3);
+        assert!((q.mean_mm - (2.0 + 5.0 + 10.0) / 3.0).abs() < 1e-3, "{q:?}");
+        assert!((q.p99_mm - 10.0).abs() < 1e-3 && (q.deepest_mm - 10.0).abs() < 1e-3, "{q:?}");
+        assert_eq!((q.escaped, q.kinetic), (0, 0.0));
+    }
+
+    #[test]
+    fn depths_of_balls_are_those_of_the_hand() {
+        let (scene, poses) =
+            scene(Shape::Sphere { radius: 1.0 }, &[[0.0, 0.0, 3.0], [1.2, 1.59, 3.0], [0.0, 0.0, 5.1]]);
+        // 2 − √(1.44 + 2.5281) = 7.99 mm; the third is 0.1 m above the first.
+        let q = measure(&scene, &poses, &poses);
+        let depth = 2e3 - 1e3 * (1.2f64 * 1.2 + 1.59 * 1.59).sqrt();
+        assert_eq!(q.overlapping, 1);
+        assert!((q.mean_mm - depth).abs() < 1e-3, "{q:?} {depth}");
+    }
+
+    #[test]
+    fn pairs_across_cells_are_found_once() {
+        // A row of balls, each 1 mm into the next, that crosses cells in all directions.
+        let direction = DVec3::new(0.6, 0.64, 0.48);
+        let places: Vec<[f64; 3]> =
+            (0..40).map(|i| (direction * (f64::from(i - 20) * 0.999) + DVec3::Z * 20.0).to_array()).collect();
+        let (mut scene, poses) = scene(Shape::Sphere { radius: 0.5 }, &places);
+        scene.half_width = 100.0;
+        let q = measure(&scene, &poses, &poses);
+        assert_eq!(q.overlapping, 39);
+        assert!((q.mean_mm - 1.0).abs() < 2e-3 && (q.deepest_mm - 1.0).abs() < 5e-3, "{q:?}");
+    }
+
+    #[test]
+    fn escaped_are_those_under_the_ground_behind_a_wall_or_nowhere() {
+        let (scene, mut poses) = scene(
+            unit_box(),
+            &[[0.0, 0.0, -0.1], [10.1, 0.0, 5.0], [0.0, -10.1, 5.0], [9.9, 9.9, 5.0], [0.0, 0.0, 9.0]],
+        );
+        poses[4].position.x = f64::NAN;
+        assert_eq!(measure(&scene, &poses, &poses).escaped, 4);
+    }
+
+    #[test]
+    fn kinetic_energy_is_that_of_a_sliding_and_spinning_box() {
+        let (scene, before) = scene(unit_box(), &[[0.0, 0.0, 3.0]]);
+        let rate = f64::from(scene::RATE);
+        let (speed, spin) = (3.0, 2.0);
+        let half_angle = 0.5 * spin / rate;
+        let turned = Quat::from_xyzw(0.0, 0.0, -half_angle.sin() as f32, -half_angle.cos() as f32);
+        let after = Pose { position: before[0].position + DVec3::X * (speed / rate), rotation: turned };
+        let q = measure(&scene, &before, &[after]);
+        let mass = f64::from(scene::DENSITY);
+        let expected = 0.5 * mass * (speed * speed + spin * spin / 6.0);
+        assert!((q.kinetic / expected - 1.0).abs() < 1e-4, "{q:?} {expected}");
+        assert!((q.rms_speed - (2.0 * expected / mass).sqrt()).abs() < 1e-3);
+        assert_eq!((q.moving, measure(&scene, &before, &before).moving), (1, 0));
+    }
+
+    #[test]
+    fn the_top_sinks_by_what_it_has_sunk() {
+        let (mut scene, mut poses) = scene(unit_box(), &[[0.0, 0.0, 0.5], [0.0, 0.0, 1.5]]);
+        scene.top = Some(1);
+        poses[1].position.z -= 0.25;
+        assert_eq!(measure(&scene, &poses, &poses).top_drop_mm, Some(250.0));
+    }
+
+    #[test]
+    fn percentiles_are_by_nearest_rank() {
+        let hundred: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!(percentile(&hundred, 99), 198.0);
+        assert_eq!(percentile(&hundred, 100), 200.0);
+        assert_eq!(percentile(&[3.0], 99), 3.0);
+        assert_eq!(percentile(&[], 99), 0.0);
+    }
+}

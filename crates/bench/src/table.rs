@@ -1,0 +1,149 @@
+//! The result as Markdown, CSV and JSON.
+
+use crate::compare::Line;
+use crate::options::Options;
+use crate::{Error, process};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+const HEAD: &str = "\
+| scene | bodies | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
+penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk, mm | KB per body |
+|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
+";
+
+/// The table, as the program prints it.
+pub(crate) fn markdown(lines: &[Line]) -> String {
+    let or_dash = |x: Option<f64>, digits: usize| x.map_or("–".to_owned(), |x| format!("{x:.digits$}"));
+    let mut text = HEAD.to_owned();
+    for l in lines {
+        let row = [
+            l.scene.to_owned(),
+            l.bodies.to_string(),
+            l.threads.to_string(),
+            format!("{} {}", l.engine, l.version),
+            format!("{:.1}", l.ms_per_step),
+            format!("{:.2}", l.times_first),
+            or_dash(l.cpu_ms_per_step, 1),
+            or_dash(l.cpu_times_first, 2),
+            format!(
+                "{:.2} / {:.1} / {:.1}",
+                l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm
+            ),
+            l.overlapping_pairs.to_string(),
+            l.escaped.to_string(),
+            format!("{:.1}", l.rms_speed_mm_per_s),
+            l.moving.to_string(),
+            or_dash(l.top_drop_mm, 0),
+            or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
+        ];
+        text += &format!("| {} |\n", row.join(" | "));
+    }
+    text
+}
+
+/// Where the time of those engines goes that tell it.
+pub(crate) fn stages(lines: &[Line]) -> String {
+    let mut text = String::new();
+    for l in lines.iter().filter(|l| !l.stages.is_empty()) {
+        let shown: Vec<String> = l
+            .stages
+            .iter()
+            .filter(|(_, time)| *time >= 0.005)
+            .map(|(name, time)| format!("{name} {time:.2}"))
+            .collect();
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "{}, {} bodies, {}: {} ms", l.scene, l.bodies, l.engine, shown.join(", "));
+    }
+    text
+}
+
+/// Writes all forms into a folder, which is made if need be.
+pub(crate) fn write(folder: &Path, options: &Options, lines: &[Line]) -> Result<(), Error> {
+    fs::create_dir_all(folder)?;
+    fs::write(folder.join("bench.md"), markdown(lines) + "\n" + &stages(lines))?;
+    fs::write(folder.join("bench.csv"), csv(lines)?)?;
+    let json = serde_json::json!({
+        "machine": process::machine(),
+        "steps": options.steps,
+        "timed": options.timed,
+        "turn": options.turn,
+        "repeats": options.repeats,
+        "seed": options.seed,
+        "lines": lines,
+    });
+    Ok(fs::write(folder.join("bench.json"), serde_json::to_string_pretty(&json)? + "\n")?)
+}
+
+/// One row for each line; stages, which differ from engine to engine, are in the JSON only.
+fn csv(lines: &[Line]) -> Result<Vec<u8>, Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut head = true;
+    for line in lines {
+        let serde_json::Value::Object(mut fields) = serde_json::to_value(line)? else { continue };
+        fields.remove("stages");
+        if std::mem::take(&mut head) {
+            writer.write_record(fields.keys())?;
+        }
+        let text = |value: &serde_json::Value| match value {
+            serde_json::Value::Null => String::new(),
+            serde_json::Value::String(text) => text.clone(),
+            other => other.to_string(),
+        };
+        writer.write_record(fields.values().map(text))?;
+    }
+    Ok(writer.into_inner().map_err(|e| e.into_error())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(engine: &'static str) -> Line {
+        Line {
+            scene: "pyramid",
+            bodies: 55,
+            threads: 2,
+            engine,
+            version: "1.2.3",
+            ms_per_step: 12.34,
+            best_ms_per_step: 11.0,
+            times_first: 1.5,
+            cpu_ms_per_step: Some(20.0),
+            cpu_times_first: None,
+            mass_kg: 10.0,
+            overlapping_pairs: 110,
+            penetration_mean_mm: 2.345,
+            penetration_p99_mm: 9.87,
+            penetration_max_mm: 12.0,
+            escaped: 0,
+            kinetic_joule: 0.5,
+            rms_speed_mm_per_s: 3.25,
+            moving: 4,
+            top_drop_mm: Some(740.4),
+            bytes_per_body: Some(2456.0),
+            stages: vec![("touch".to_owned(), 3.0), ("link".to_owned(), 0.0)],
+        }
+    }
+
+    #[test]
+    fn every_row_of_the_table_has_every_column() {
+        let text = markdown(&[sample("a"), sample("b")]);
+        let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
+        assert_eq!(columns, [16; 4]);
+        assert!(
+            text.contains("| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 | 2.46 |")
+        );
+        assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
+    }
+
+    #[test]
+    fn the_csv_reads_back() {
+        let bytes = csv(&[sample("a"), sample("b")]).expect("written");
+        let mut reader = csv::Reader::from_reader(bytes.as_slice());
+        let column = reader.headers().expect("a head").iter().position(|h| h == "engine").expect("there");
+        let engines: Vec<String> = reader.records().map(|r| r.expect("a row")[column].to_owned()).collect();
+        assert_eq!(engines, ["a", "b"]);
+    }
+}

@@ -1,0 +1,360 @@
+//! What the program promises to those who call it: files, exit codes, output.
+
+use rockfall_cache::{RunReader, SUMMARY, Status, TRAJECTORY};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+
+/// Two balls and a crate fall on the ground; a third ball is poured later.
+const SCENE: &str = r#"
+[world]
+frames = 30
+
+[shapes.floor]
+kind = "half-space"
+[shapes.ball]
+kind = "sphere"
+radius = 0.5
+[shapes.crate]
+kind = "box"
+size = [1, 1, 1]
+
+[[bodies]]
+name = "floor"
+shape = "floor"
+[[bodies]]
+name = "left"
+shape = "ball"
+position = [-0.2, 0, 1]
+[[bodies]]
+name = "right"
+shape = "ball"
+position = [0.3, 0.1, 2]
+[[bodies]]
+name = "crate"
+shape = "crate"
+position = [0, 0, 4]
+rotation = [10, 20, 30]
+"#;
+
+/// A folder with a scene in it.
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("small.toml"), SCENE).unwrap();
+        Place { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
+        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
+        command
+    }
+
+    fn rockfall(&self, arguments: &str) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// A run that does not end by itself, with piped streams.
+    fn endless(&self, arguments: &str) -> Child {
+        let mut command = self.command(&format!("run small.toml --frames 1000000000 {arguments}"));
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    }
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+#[track_caller]
+fn expect(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), error(output));
+}
+
+fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !done() {
+        assert!(Instant::now() < deadline, "no {what} after a minute");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+#[test]
+fn a_run_leaves_its_four_parts_and_says_so() {
+    let place = Place::new();
+    let run = place.rockfall("run small.toml --out result");
+    expect(&run, 0);
+    assert!(out(&run).contains("finished after 30 of 30 frames"), "{}", out(&run));
+    let reader = RunReader::open(&place.path("result")).unwrap();
+    assert_eq!(reader.frames().unwrap(), 31);
+    assert_eq!(reader.bodies().unwrap().names, ["floor", "left", "right", "crate"]);
+    assert!(reader.parts().unwrap().iter().all(|part| part.files > 0));
+    let summary = reader.summary();
+    assert_eq!((summary.status, summary.frames, summary.bodies), (Status::Finished, 30, 4));
+
+    let start = reader.poses(0).unwrap();
+    assert_eq!(start.positions[3..6], [-0.2, 0.0, 1.0]);
+    let end = reader.poses(30).unwrap();
+    assert!(end.positions.iter().chain(&end.orientations).all(|x| x.is_finite()));
+    assert!(end.positions[11] < 3.0, "the crate has not fallen: {:?}", end.positions);
+
+    let rows = fs::read_to_string(place.path("result/frames.csv")).unwrap();
+    let last = rows.lines().last().unwrap();
+    assert!(last.starts_with("30,0.5,") && last.ends_with(&summary.hash), "{last}");
+
+    let info = place.rockfall("info result");
+    expect(&info, 0);
+    assert!(out(&info).contains("31 of 31, the start included"), "{}", out(&info));
+}
+
+#[test]
+fn json_is_the_summary_on_disk() {
+    let place = Place::new();
+    let run = place.rockfall("run small.toml --out result --json --quiet");
+    expect(&run, 0);
+    assert_eq!(error(&run), "");
+    let printed: serde_json::Value = serde_json::from_str(&out(&run)).unwrap();
+    let stored = fs::read_to_string(place.path("result").join(SUMMARY)).unwrap();
+    assert_eq!(printed, serde_json::from_str::<serde_json::Value>(&stored).unwrap());
+    assert_eq!(printed["format"], "rockfall-run");
+    assert_eq!(printed["frames"], 30);
+
+    let info = place.rockfall("info result --json");
+    let info: serde_json::Value = serde_json::from_str(&out(&info)).unwrap();
+    assert_eq!(info["summary"], printed);
+    assert_eq!(info["trajectory_frames"], 31);
+}
+
+#[test]
+fn the_hash_does_not_depend_on_how_it_was_computed() {
+    let place = Place::new();
+    let hash = |arguments: &str| {
+        let run = place.rockfall(&format!("run {arguments} --hash --quiet"));
+        expect(&run, 0);
+        out(&run)
+    };
+    let first = hash("small.toml --out result");
+    assert_eq!(first.trim().len(), 16);
+    for other in [
+        "small.toml --no-output --threads 1",
+        "small.toml --no-output --threads 3",
+        "small.toml --no-output --lanes 1",
+        "small.toml --no-output --lanes 8",
+        // The scene as it was run is the same scene.
+        "result/scene.toml --no-output",
+    ] {
+        assert_eq!(hash(other), first, "{other}");
+    }
+    assert_ne!(hash("small.toml --no-output --frames 29"), first);
+    assert_ne!(hash("small.toml --no-output --substeps 5"), first);
+    assert_ne!(hash("small.toml --no-output --solver impulse"), first);
+    let overridden = hash("small.toml --solver reflect --substeps 3 --frames 7 --seed 9 --out other");
+    assert_eq!(hash("other/scene.toml --no-output"), overridden);
+}
+
+#[test]
+fn another_hash_than_expected_is_exit_code_4() {
+    let place = Place::new();
+    let run = place.rockfall("run small.toml --no-output --hash --expect-hash 0123456789abcdef");
+    expect(&run, 4);
+    let hash = out(&run);
+    assert!(error(&run).contains(&format!("the hash is {}, expected 0123456789abcdef", hash.trim())));
+    expect(&place.rockfall(&format!("run small.toml --no-output --expect-hash {hash}")), 0);
+}
+
+#[test]
+fn a_dry_run_counts_and_touches_nothing() {
+    let place = Place::new();
+    let dry = place.rockfall("run small.toml --dry-run --frames 1000");
+    expect(&dry, 0);
+    assert!(out(&dry).contains("bodies   4") && out(&dry).contains("frames   1,000"), "{}", out(&dry));
+    let json = place.rockfall("run small.toml --dry-run --json --out result");
+    let json: serde_json::Value = serde_json::from_str(&out(&json)).unwrap();
+    assert_eq!((&json["bodies"], &json["frames"]), (&4.into(), &30.into()));
+    assert!(json["memory_bytes"].as_u64() > Some(0));
+    // 31 frames of 4 poses of 28 bytes, and something for the rest.
+    assert!((31 * 4 * 28..50_000).contains(&json["disk_bytes"].as_u64().unwrap()), "{json}");
+    assert_eq!(fs::read_dir(place.folder.path()).unwrap().count(), 1);
+
+    // `info` says the same of the scene.
+    let info = place.rockfall("info small.toml --json");
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&out(&info)).unwrap(), json);
+}
+
+#[test]
+fn every_scene_that_ships_is_read() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let mut count = 0;
+    for entry in fs::read_dir(scenes).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "toml") {
+            let info = Command::new(env!("CARGO_BIN_EXE_rockfall")).arg("info").arg(&path).output().unwrap();
+            expect(&info, 0);
+            count += 1;
+        }
+    }
+    assert!(count >= 10, "{count} scenes");
+}
+
+#[test]
+fn runs_without_a_folder_are_numbered() {
+    let place = Place::new();
+    for number in 1..=2 {
+        let run = place.rockfall("run small.toml --frames 2");
+        expect(&run, 0);
+        let folder = Path::new("runs").join(format!("small-{number}"));
+        assert!(out(&run).contains(&folder.display().to_string()), "{}", out(&run));
+        assert!(RunReader::is_run(&place.folder.path().join(folder)));
+    }
+}
+
+#[test]
+fn a_folder_in_use_is_exit_code_1_and_stays_as_it_was() {
+    let place = Place::new();
+    expect(&place.rockfall("run small.toml --out result"), 0);
+    let again = place.rockfall("run small.toml --out result --frames 2");
+    expect(&again, 1);
+    assert!(error(&again).contains("result holds a run already"), "{}", error(&again));
+    assert_eq!(RunReader::open(&place.path("result")).unwrap().frames().unwrap(), 31);
+    expect(&place.rockfall("run small.toml --out result --frames 2 --overwrite"), 0);
+    assert_eq!(RunReader::open(&place.path("result")).unwrap().frames().unwrap(), 3);
+
+    // The folder of the scene itself.
+    let here = place.rockfall("run small.toml --out . --overwrite");
+    expect(&here, 1);
+    assert!(error(&here).contains("is neither empty nor a run"), "{}", error(&here));
+    assert_eq!(fs::read_to_string(place.path("small.toml")).unwrap(), SCENE);
+    expect(&place.rockfall("info result/frames.csv"), 3);
+    expect(&place.rockfall("info runs-that-never-were"), 3);
+    expect(&place.rockfall("info ."), 1);
+}
+
+#[test]
+fn wrong_usage_is_exit_code_2() {
+    let place = Place::new();
+    for arguments in [
+        "",
+        "walk small.toml",
+        "run",
+        "run small.toml --threads 0",
+        "run small.toml --lanes 3",
+        "run small.toml --frames 0",
+        "run small.toml --solver magic",
+        "run small.toml --expect-hash 12",
+        "run small.toml --overwrite",
+        "run small.toml --out a --no-output",
+    ] {
+        expect(&place.rockfall(arguments), 2);
+    }
+    assert_eq!(fs::read_dir(place.folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_wrong_scene_is_exit_code_3_with_its_place() {
+    let place = Place::new();
+    fs::write(place.path("wrong.toml"), SCENE.replace("radius", "radus")).unwrap();
+    for arguments in ["run wrong.toml", "run wrong.toml --dry-run", "info wrong.toml"] {
+        let run = place.rockfall(arguments);
+        expect(&run, 3);
+        let text = error(&run);
+        assert!(text.contains("wrong.toml:9:1") && text.contains("radus"), "{text}");
+    }
+    let missing = place.rockfall("run missing.toml");
+    expect(&missing, 3);
+    assert!(error(&missing).contains("missing.toml does not exist"), "{}", error(&missing));
+    assert!(!place.path("runs").exists());
+}
+
+#[test]
+fn interruption_leaves_a_readable_run_and_a_line_was_seen_before() {
+    let place = Place::new();
+    let mut child = place.endless("--out result");
+    // A plain line of progress comes every three seconds where there is no terminal.
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    let progress =
+        lines.map_while(Result::ok).find(|line| line.contains("ms/step")).expect("a line of progress");
+    assert!(progress.contains("/1000000000  ETA") && progress.contains("body·steps/s"), "{progress}");
+    signal(&child, "-INT");
+    let ended = child.wait_with_output().unwrap();
+    expect(&ended, 130);
+    assert!(out(&ended).contains("interrupted after"), "{}", out(&ended));
+    let reader = RunReader::open(&place.path("result")).unwrap();
+    let frames = reader.frames().unwrap();
+    assert_eq!(reader.summary().status, Status::Interrupted);
+    assert_eq!(reader.summary().frames + 1, frames);
+    assert!(reader.poses(frames - 1).unwrap().positions.iter().all(|x| x.is_finite()));
+    let rows = fs::read_to_string(place.path("result/frames.csv")).unwrap();
+    assert_eq!(rows.lines().count() as u64, frames);
+}
+
+#[test]
+fn a_killed_run_reads_up_to_its_last_complete_frame() {
+    let place = Place::new();
+    let mut child = place.endless("--out result --quiet");
+    let path = place.path("result");
+    wait_for("frame", || {
+        RunReader::open(&path).and_then(|run| run.frames()).is_ok_and(|frames| frames > 300)
+    });
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let reader = RunReader::open(&path).unwrap();
+    let frames = reader.frames().unwrap();
+    assert_eq!(reader.summary().status, Status::Running);
+    let times = reader.times().unwrap();
+    assert!(times.iter().enumerate().all(|(frame, time)| (time - frame as f64 / 60.0).abs() < 1e-6));
+    for frame in 0..frames {
+        assert!(reader.poses(frame).unwrap().positions.iter().all(|x| x.is_finite()));
+    }
+    let info = place.rockfall("info result");
+    expect(&info, 0);
+    assert!(out(&info).contains("is not finished"), "{}", out(&info));
+}
+
+#[test]
+fn a_folder_that_goes_away_is_exit_code_1_and_named() {
+    let place = Place::new();
+    let child = place.endless("--out result --quiet");
+    wait_for("trajectory", || place.path("result").join(TRAJECTORY).join("time").exists());
+    fs::rename(place.path("result"), place.path("elsewhere")).unwrap();
+    let ended = child.wait_with_output().unwrap();
+    expect(&ended, 1);
+    let text = error(&ended);
+    assert!(text.contains("result") && text.contains("was the folder moved or removed?"), "{text}");
+    assert!(RunReader::open(&place.path("elsewhere")).is_ok());
+}
+
+#[test]
+fn nobody_listening_is_no_failure() {
+    let place = Place::new();
+    for arguments in ["run small.toml --no-output", "run small.toml --no-output --json", "info small.toml"] {
+        let mut child =
+            place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let ended = child.wait_with_output().unwrap();
+        expect(&ended, 0);
+        let mut child =
+            place.command(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stderr.take());
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments}");
+    }
+}
