@@ -61,9 +61,9 @@ impl<S: Fn(usize, usize) -> Surface> Fill<'_, S> {
         block.b[lane] = b as u32;
         put3(&mut block.normal, lane, m.normal);
         put3(&mut block.offset, lane, offset);
-        for p in 0..P {
+        for (p, &arm) in arms.iter().enumerate().take(P) {
             let used = p < count;
-            put3(&mut block.arms[p], lane, if used { arms[p] } else { middle });
+            put3(&mut block.arms[p], lane, if used { arm } else { middle });
             if used {
                 block.distances[p][lane] = m.distances[p];
                 block.masses[p][lane] = 1.0;
