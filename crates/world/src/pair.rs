@@ -34,6 +34,11 @@ impl Pairs {
         self.keys.capacity() * size_of::<u64>() + self.befores.capacity() * size_of::<u32>()
     }
 
+    /// Number of the pair with a key.
+    pub(crate) fn number(&self, key: u64) -> Option<usize> {
+        self.keys.binary_search(&key).ok()
+    }
+
     /// Follows the bodies to their new rows, `u32::MAX` for those that are gone.
     pub(crate) fn rename(&mut self, new_rows: &[u32]) {
         let mut renamed: Vec<(u64, u32)> = self

@@ -40,7 +40,8 @@ pub struct Settings {
     pub sleep_speed: f32,
     /// An island sleeps when all of it has been at rest for so long, s.
     pub sleep_time: f32,
-    /// Bodies that move through more than half of their size in a step are stopped at what they would pass through.
+    /// Bodies that move through more than half of their inner radius in a step are stopped at the static or kinematic
+    /// body that they would pass through.
     pub continuous: bool,
     /// Threads, 0 for as many as the machine has. Never changes a result.
     pub threads: usize,

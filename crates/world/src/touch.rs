@@ -38,6 +38,12 @@ impl Touches {
             + self.caches.iter().map(|c| c.capacity() * size_of::<Cache>()).sum::<usize>()
     }
 
+    /// Whether pair `number` is in contact, or about to be.
+    pub(crate) fn has_manifold(&self, number: usize) -> bool {
+        let (chunk, pair) = (number / RUN, number % RUN);
+        self.firsts[chunk][pair] < self.firsts[chunk][pair + 1]
+    }
+
     /// Manifolds, memories and cache of pair `number`; nothing for a pair that is new.
     fn of(&self, number: u32) -> (&[Manifold], &[Memory], Cache) {
         if number == NEW {

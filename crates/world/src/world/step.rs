@@ -10,7 +10,7 @@ use crate::measure::measure;
 use crate::pair::pair;
 use crate::settle::settle;
 use crate::sleep::sleep;
-use crate::sweep::sweep;
+use crate::sweep::{Surroundings, sweep};
 use crate::touch::touch;
 use crate::{Material, STAGES, Settings, Solver, StepReport};
 use rockfall_math::Vec3;
@@ -85,7 +85,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, shapes, trees);
+            sweep(bodies, Surroundings { shapes, trees, pairs, touches });
         }
         clock.lap();
         if settings.sleeping {
