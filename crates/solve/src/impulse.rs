@@ -24,7 +24,7 @@ pub fn new_velocity(v: Vec3, n: Vec3, restitution: f32, friction: f32) -> Vec3 {
     v_n * -restitution + v_t * a
 }
 
-/// [x]×: the matrix with `cross_matrix(x) * y == x.cross(y)`.
+/// \[x\]×: the matrix with `cross_matrix(x) * y == x.cross(y)`.
 pub fn cross_matrix(x: Vec3) -> Mat3 {
     Mat3::from_cols(Vec3::new(0.0, x.z, -x.y), Vec3::new(-x.z, 0.0, x.x), Vec3::new(x.y, -x.x, 0.0))
 }
