@@ -114,10 +114,10 @@ fn insertion_order_determinism() {
     SMALL.same(&runs, 4000);
 }
 
-/// Promise: all of it at once over 1,000 steps of a pile with more than 100,000 contacts. Minutes long; run it with
+/// Promise: all of it at once over 1,000 steps of a pile with more than 100,000 contacts. Ten minutes on two cores; run it with
 /// `cargo test --release -p rockfall --test same_bits -- --ignored`.
 #[test]
-#[ignore = "minutes long: cargo test --release -p rockfall --test same_bits -- --ignored"]
+#[ignore = "ten minutes: cargo test --release -p rockfall --test same_bits -- --ignored"]
 fn large_pile_determinism() {
     let pile = Pile { n: 30, layers: 22, steps: 1000 };
     let runs = [
