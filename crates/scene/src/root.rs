@@ -77,14 +77,14 @@ substeps = 8
         key(
             "contact_hertz",
             Ty::Number(POSITIVE),
-            "30",
-            "`soft-step`: natural frequency of the position correction, Hz.",
+            "60",
+            "`soft-step`: natural frequency of the position correction, Hz; never used above a quarter of the rate of the sub-steps.",
         ),
         key(
             "contact_damping",
             Ty::Number(NOT_NEGATIVE),
-            "10",
-            "`soft-step`: damping ratio of the position correction; 1 is critical, larger is calmer.",
+            "0.5",
+            "`soft-step`: damping ratio of the position correction; 1 is critical, larger is slower.",
         ),
         key("push_speed", Ty::Number(POSITIVE), "3", "Overlaps are pushed apart at most this fast, m/s."),
         key(
