@@ -10,6 +10,7 @@ pub mod hash;
 pub mod isometry;
 pub mod lanes;
 pub mod pose;
+pub mod room;
 pub mod rotation;
 pub mod trig;
 

@@ -11,6 +11,7 @@ use crate::manifold::Chunk;
 use rayon::prelude::*;
 use rockfall_math::DVec3;
 use rockfall_math::lanes::Width;
+use rockfall_math::room::make_room;
 
 /// How two surfaces rub and bounce.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -87,8 +88,11 @@ impl<const P: usize, const T: usize> Default for Shelf<P, T> {
 
 impl<const P: usize, const T: usize> Shelf<P, T> {
     pub(crate) fn resize(&mut self, blocks: usize) {
+        self.blocks.truncate(blocks);
+        make_room(&mut self.blocks, blocks);
         self.blocks.resize(blocks, Block::IDLE);
         self.origins.clear();
+        make_room(&mut self.origins, blocks * LANES);
         self.origins.resize(blocks * LANES, Origin::default());
     }
 

@@ -10,6 +10,7 @@ use crate::manifold::{Chunk, Manifold, row_of};
 use crate::paint::{COLORS, OVERFLOW};
 use rayon::prelude::*;
 use rockfall_math::disjoint::DisjointRows;
+use rockfall_math::room::make_room;
 
 /// Blocks in a span. Results don't depend on it.
 const SPAN: usize = 8;
@@ -129,6 +130,8 @@ impl Batches {
         self.one.resize(next[Class::One as usize]);
         self.two.resize(next[Class::Two as usize]);
         self.four.resize(next[Class::Four as usize]);
+        self.colds.truncate(colds);
+        make_room(&mut self.colds, colds);
         self.colds.resize(colds, Cold::IDLE);
     }
 }

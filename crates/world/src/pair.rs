@@ -8,6 +8,7 @@ use crate::Kind;
 use crate::bodies::{Bodies, State};
 use crate::index::Index;
 use rayon::prelude::*;
+use rockfall_math::room::make_room;
 use rockfall_solve::{FIXED, row_of};
 
 /// There was no such pair in the last step.
@@ -96,8 +97,11 @@ pub(crate) fn pair(pairs: &mut Pairs, bodies: &Bodies, index: &Index, moved: &[b
             merge(&pairs.keys[old.clone()], &pairs.befores[old], &found[new], moved)
         })
         .collect();
+    let total = merged.iter().map(|(keys, _)| keys.len()).sum();
     pairs.keys.clear();
     pairs.befores.clear();
+    make_room(&mut pairs.keys, total);
+    make_room(&mut pairs.befores, total);
     for (keys, befores) in merged {
         pairs.keys.extend(keys);
         pairs.befores.extend(befores);

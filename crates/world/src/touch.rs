@@ -10,6 +10,7 @@ use crate::pair::{NEW, Pairs, rows};
 use rayon::prelude::*;
 use rockfall_collide::{Cache, Manifold as Local, collide};
 use rockfall_math::Mat3;
+use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
 use rockfall_solve::{Chunk, Manifold, Memory, NO_COLOR, row_of};
 
@@ -72,11 +73,16 @@ pub(crate) fn touch(
     let broken: Vec<usize> = (&mut now.chunks, &mut now.firsts, &mut now.caches)
         .into_par_iter()
         .zip(pairs.keys.par_chunks(RUN).zip(pairs.befores.par_chunks(RUN)))
-        .flat_map_iter(|((chunk, firsts, caches), (keys, befores))| {
+        .enumerate()
+        .flat_map_iter(|(i, ((chunk, firsts, caches), (keys, befores)))| {
             let mut scratch = Vec::new();
             let mut broken = Vec::new();
             chunk.manifolds.clear();
             chunk.memories.clear();
+            // About as many as in the last step.
+            let expected = before.chunks.get(i).map_or(0, |c| c.manifolds.len());
+            make_room(&mut chunk.manifolds, expected);
+            make_room(&mut chunk.memories, expected);
             firsts.clear();
             caches.clear();
             for (&key, &number) in keys.iter().zip(befores) {
@@ -99,6 +105,11 @@ pub(crate) fn touch(
                 caches.push(cache);
             }
             firsts.push(chunk.manifolds.len() as u32);
+            let len = chunk.manifolds.len();
+            make_room(&mut chunk.manifolds, len);
+            make_room(&mut chunk.memories, len);
+            make_room(firsts, RUN + 1);
+            make_room(caches, RUN);
             broken
         })
         .collect();
