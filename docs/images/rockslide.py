@@ -28,7 +28,7 @@ def png(path, image):
 
 def camera():
     """Right, up and forward of a view from beside and above the run-out."""
-    forward = np.array([-0.62, 0.62, -0.48])
+    forward = np.array([-0.1, 0.9, -0.5])
     forward /= np.linalg.norm(forward)
     right = np.cross(forward, [0, 0, 1])
     right /= np.linalg.norm(right)
@@ -83,7 +83,7 @@ def main(run, frame, path):
     depth = np.full((HEIGHT, WIDTH), np.inf)
     tint = np.array([126, 118, 104]) + 10 * np.sin(ground[:, 2:3])
     draw(image, depth, pixels(soil), np.full(len(soil), 1.1 * zoom), tint)
-    heat = np.clip(speed / 20, 0, 1)[:, None]
+    heat = np.clip(speed / 25, 0, 1)[:, None]
     colors = (1 - heat) * np.array([150, 142, 132]) + heat * np.array([222, 118, 52])
     draw(image, depth, pixels(seen), np.full(len(seen), 0.5 * zoom), colors)
     png(path, np.clip(image, 0, 255))

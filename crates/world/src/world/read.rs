@@ -3,7 +3,7 @@
 use super::{Contact, ShapeId, World};
 use crate::bodies::State;
 use crate::measure;
-use crate::{BodyId, Error, Kind, StepReport};
+use crate::{BodyId, Error, Kind, Shape, StepReport};
 use rockfall_math::{DVec3, Pose, Quat, Vec3};
 use rockfall_solve::row_of;
 
@@ -95,6 +95,14 @@ impl World {
     /// [`Error::NoBody`].
     pub fn mass(&self, id: BodyId) -> Result<f32, Error> {
         Ok(1.0 / self.bodies.lines[self.row(id)?].inverse_mass())
+    }
+
+    /// The shape of a body.
+    ///
+    /// # Errors
+    /// [`Error::NoBody`].
+    pub fn shape(&self, id: BodyId) -> Result<&Shape, Error> {
+        Ok(&self.shapes[self.bodies.shapes[self.row(id)?] as usize])
     }
 
     /// A body's name.
