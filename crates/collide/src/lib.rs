@@ -7,6 +7,8 @@
 //! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
 //! are corners and edges. The results depend on the arguments alone, to the last bit.
 
+#![forbid(unsafe_code)]
+
 mod box_box;
 mod clip;
 mod closest;

@@ -11,13 +11,22 @@
 use crate::manifold::{Chunk, NO_COLOR, row_of};
 use rayon::prelude::*;
 use rockfall_math::hash::mix;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// Colours of manifolds that are solved in parallel.
 pub const COLORS: u32 = 64;
 
 /// The colour of the manifolds that found no other.
 pub const OVERFLOW: u32 = COLORS;
+
+/// A body with more blank manifolds than this is crowded: it can't give all of them a colour anyway, and looking at each in
+/// every round would take longer than solving them one by one.
+const CROWD: u32 = 4 * COLORS;
+
+/// Whether a manifold of that hash stands back at a body with `degree` blanks. About twice as many as there are colours don't.
+fn stands_back(priority: u64, degree: u32) -> bool {
+    degree > CROWD && priority < u64::MAX - u64::MAX / u64::from(degree) * u64::from(2 * COLORS)
+}
 
 /// A manifold between two bodies that move, still without a colour.
 #[derive(Clone, Copy, Debug)]
@@ -42,24 +51,30 @@ pub struct Painter {
     masks: Vec<AtomicU64>,
     /// Largest hash of the blank manifolds of each body.
     tops: Vec<AtomicU64>,
+    /// Blank manifolds of each body.
+    degrees: Vec<AtomicU32>,
 }
 
 impl Painter {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         (self.masks.capacity() + self.tops.capacity()) * size_of::<AtomicU64>()
+            + self.degrees.capacity() * size_of::<AtomicU32>()
     }
 }
 
 /// Gives a colour below [`COLORS`], or [`OVERFLOW`], to every manifold between two bodies that move. `rows` is the number
 /// of bodies.
 pub fn paint(chunks: &mut [Chunk], rows: usize, painter: &mut Painter) {
-    let Painter { masks, tops } = painter;
+    let Painter { masks, tops, degrees } = painter;
+    degrees.clear();
+    degrees.resize_with(rows, AtomicU32::default);
     masks.clear();
     masks.resize_with(rows, AtomicU64::default);
     tops.resize_with(rows, AtomicU64::default);
     let masks = &masks[..];
     let tops = &tops[..];
+    let degrees = &degrees[..];
 
     let mut blanks: Vec<Blank> = chunks
         .par_iter()
@@ -76,10 +91,21 @@ pub fn paint(chunks: &mut [Chunk], rows: usize, painter: &mut Painter) {
                     masks[row_of(m.b)].fetch_or(bit, Relaxed);
                     return None;
                 }
+                degrees[row_of(m.a)].fetch_add(1, Relaxed);
+                degrees[row_of(m.b)].fetch_add(1, Relaxed);
                 Some(Blank { a: m.a, b: m.b, chunk: chunk as u32, row: row as u32 })
             })
         })
         .collect();
+
+    let degree = |row: u32| degrees[row as usize].load(Relaxed);
+    blanks.retain(|blank| {
+        let crowded = [blank.a, blank.b].into_iter().any(|row| stands_back(blank.priority(), degree(row)));
+        if crowded {
+            chunks[blank.chunk as usize].memories[blank.row as usize].color = OVERFLOW;
+        }
+        !crowded
+    });
 
     let mut painted: Vec<(Blank, u32)> = Vec::with_capacity(blanks.len());
     while !blanks.is_empty() {

@@ -1,5 +1,7 @@
 //! **Rockfall**: very many rigid bodies in hard contact.
 
+#![forbid(unsafe_code)]
+
 mod apply;
 mod bodies;
 mod body;

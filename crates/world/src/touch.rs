@@ -205,28 +205,7 @@ fn enter(
         }
         (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
         memory.color = old.color;
-        if memories.len() == 1 {
-            keep_sum(&manifold, &mut memory, before, old);
-        }
     }
     chunk.manifolds.push(manifold);
     chunk.memories.push(memory);
-}
-
-/// Makes the impulses of a manifold whose points or normal have changed add up to what they were: what a body carries does
-/// not change because another corner carries it. Without this a face that gives way to an edge drops its load for a step.
-fn keep_sum(manifold: &Manifold, memory: &mut Memory, before: &Manifold, old: &Memory) {
-    let count = manifold.count as usize;
-    let pressed: f32 = old.normals[..before.count as usize].iter().sum();
-    let whole = before.normal * pressed + old.friction;
-    let along = whole.dot(manifold.normal).max(0.0);
-    let found: f32 = memory.normals[..count].iter().sum();
-    if found > along {
-        let share = along / found;
-        memory.normals.iter_mut().for_each(|x| *x *= share);
-    } else {
-        let more = (along - found) / count as f32;
-        memory.normals[..count].iter_mut().for_each(|x| *x += more);
-    }
-    memory.friction = whole - manifold.normal * along;
 }
