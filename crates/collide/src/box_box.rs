@@ -74,7 +74,8 @@ pub(crate) fn collide(
         }
         out.push(if apart == of_edge {
             cache.word = edge as u32 + 1;
-            boxes.crossing(edge, of_edge).manifold()
+            let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
+            polyhedra::around(&box_a.poly(), &box_b.poly(), b_in_a, margin, &boxes.crossing(edge, of_edge))
         } else {
             let face = if apart == of_a { face_a } else { face_b };
             boxes.over_face(face, SLACK * smaller, margin, apart)
@@ -97,7 +98,7 @@ pub(crate) fn collide(
     let (poly_a, poly_b) = (box_a.poly(), box_b.poly());
     match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, margin) {
         Proximity::Apart(closest) => {
-            out.push(polyhedra::apart(&poly_a, &poly_b, b_in_a, margin, &closest));
+            out.push(polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest));
         }
         Proximity::Beyond(_) => {}
         // Apart by less than rounding.

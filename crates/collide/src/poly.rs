@@ -52,9 +52,9 @@ impl<'a> Poly<'a> {
         best.0
     }
 
-    /// Of the faces around the vertex furthest along `direction`, the one that looks along it the most. (The face
-    /// of a hull that looks along a direction the most need not hold that vertex.)
-    pub(crate) fn face_at_support(&self, direction: Vec3) -> usize {
+    /// Of the faces around the vertex furthest along `direction`, the one that looks along it the most, and its cosine.
+    /// (The face of a hull that looks along a direction the most need not hold that vertex.)
+    pub(crate) fn face_at_support(&self, direction: Vec3) -> (usize, f32) {
         let corner = self.support_index(direction) as u32;
         let mut best = (0, f32::NEG_INFINITY);
         for (f, n) in self.normals.iter().enumerate() {
@@ -63,7 +63,7 @@ impl<'a> Poly<'a> {
                 best = (f, cosine);
             }
         }
-        best.0
+        best
     }
 }
 

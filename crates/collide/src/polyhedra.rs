@@ -13,9 +13,11 @@ use crate::{Cache, ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
 use smallvec::SmallVec;
 
-/// Cosine of the angle between the normal and a face below which the contact still counts as one with the whole
-/// face: 11 degrees.
-const FACE_COSINE: f32 = 0.98;
+/// Cosine of the angle between the normal and the nearest face below which a contact of edges or corners is that alone: 37
+/// degrees. Above it what lies over the face within the margin belongs to the manifold too. Near-parallel faces touch
+/// first at a corner or a crossing of edges, and where they overlap deeply the crossing may even part them on the
+/// shortest way; held at one point only, they would turn about it into each other.
+pub(crate) const FACE_COSINE: f32 = 0.8;
 
 /// Appends the manifold of two polyhedra if they come within `margin`.
 pub(crate) fn collide(
@@ -35,7 +37,7 @@ pub(crate) fn collide(
         Proximity::Beyond(axis) => cache.word = direction::pack(axis),
         Proximity::Apart(closest) => {
             cache.word = direction::pack(closest.normal);
-            out.push(apart(a, b, b_in_a, margin, &closest));
+            out.push(around(a, b, b_in_a, margin, &closest));
         }
         Proximity::Overlap => {
             let choice = sat::least_overlap(a, b, b_in_a);
@@ -60,6 +62,9 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     let choice = sat::least_overlap(a, b, b_in_a);
     let same = rounding(a, b, b_in_a);
     let deepest = |axis: &Axis, slack: f32| {
+        if let Kind::Edges(i, j) = axis.kind {
+            return Some((*axis, crossing(a, b, b_in_a, axis, i, j).point()));
+        }
         let manifold = overlap(a, b, b_in_a, f32::INFINITY, slack, axis)?;
         let first = manifold.points[0];
         let at = manifold.points().iter().fold(first, |m, p| if p.distance < m.distance { *p } else { m });
@@ -91,12 +96,11 @@ fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: Vec3) 
     nearest - furthest > margin * (1.0 + 1e-5) + rounding
 }
 
-/// The manifold of polyhedra that are apart: the nearest points, and where a face looks along the normal, what lies
-/// over that face.
-pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest: &Closest) -> Manifold {
+/// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face.
+pub(crate) fn around(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest: &Closest) -> Manifold {
     let normal = closest.normal;
-    let (face_of_a, cosine_of_a) = a.face_towards(normal);
-    let (face_of_b, cosine_of_b) = b.face_towards(-b_in_a.inverse_vector(normal));
+    let (face_of_a, cosine_of_a) = a.face_at_support(normal);
+    let (face_of_b, cosine_of_b) = b.face_at_support(-b_in_a.inverse_vector(normal));
     if cosine_of_a.max(cosine_of_b) < FACE_COSINE {
         return closest.manifold();
     }
@@ -116,7 +120,7 @@ pub(crate) fn apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest:
 /// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
 fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
     if let Kind::Edges(i, j) = axis.kind {
-        return Some(single(axis, crossing(a, b, b_in_a, axis, i, j)));
+        return Some(around(a, b, b_in_a, margin, &crossing(a, b, b_in_a, axis, i, j)));
     }
     let points = over_face(a, b, b_in_a, margin, slack, axis);
     (!points.is_empty()).then(|| reduce(axis.normal, &points))
@@ -144,13 +148,13 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axi
     let (reference, incident, outward, offset, names) = match axis.kind {
         Kind::FaceOfB(f) => {
             let outward = b_in_a.vector(b.normals[f]);
-            let g = a.face_at_support(-outward);
+            let (g, _) = a.face_at_support(axis.normal);
             let offset = b.offsets[f] + outward.dot(b_in_a.translation);
             (loop_of(b, f, &from_b), loop_of(a, g, &in_a), outward, offset, feature::faces(true, f, g))
         }
         Kind::FaceOfA(f) | Kind::Edges(f, _) => {
             let outward = a.normals[f];
-            let g = b.face_at_support(-b_in_a.inverse_vector(outward));
+            let (g, _) = b.face_at_support(-b_in_a.inverse_vector(axis.normal));
             (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
         }
     };
@@ -175,11 +179,11 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axi
 }
 
 /// The point where two edges cross.
-fn crossing(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: &Axis, i: usize, j: usize) -> ContactPoint {
+fn crossing(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: &Axis, i: usize, j: usize) -> Closest {
     let [p, q] = a.edges[i].vertices.map(|v| a.vertices[v as usize]);
     let [s, t] = b.edges[j].vertices.map(|v| b_in_a.point(b.vertices[v as usize]));
     let (on_a, on_b) = segments::nearest([p, q], [s, t]).points();
-    ContactPoint { position: 0.5 * (on_a + on_b), distance: axis.separation, feature: feature::pair(i, j) }
+    Closest { distance: axis.separation, normal: axis.normal, on_a, on_b, feature: feature::pair(i, j) }
 }
 
 /// The corner of the incident polyhedron that is deepest along the axis.

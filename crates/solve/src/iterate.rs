@@ -148,16 +148,24 @@ fn press<L: Lanes, const P: usize, const T: usize>(
 }
 
 /// Velocity to add to the approach, factor on the mass, and leak of the impulse, for a signed distance.
+///
+/// A spring whose pull is cut off at the push speed would give way to any load beyond that: the leak of the impulse would
+/// outweigh the correction, and a pile would sink into itself. So beyond the cut the leak shrinks as the overlap grows, and the
+/// load that the contact carries at rest goes on growing with it.
 #[inline(always)]
 fn correction<L: Lanes>(token: L::Token, step: &SubStep, soft: &Softness, distance: L) -> (L, L, L) {
     let zero = L::splat(token, 0.0);
     let one = L::splat(token, 1.0);
     let open = zero.lt(distance);
-    let push = (distance * L::splat(token, soft.rate)).max(L::splat(token, -step.push_speed));
+    let fastest = L::splat(token, -step.push_speed);
+    let push = distance * L::splat(token, soft.rate);
+    let cut = push.lt(fastest);
+    let kept = fastest / L::select(cut, push, fastest);
+    let leak = L::splat(token, soft.impulse_scale) * kept;
     (
-        L::select(open, distance * L::splat(token, 1.0 / step.h), push),
-        L::select(open, one, L::splat(token, soft.mass_scale)),
-        L::select(open, zero, L::splat(token, soft.impulse_scale)),
+        L::select(open, distance * L::splat(token, 1.0 / step.h), push * kept),
+        L::select(open, one, one - leak),
+        L::select(open, zero, leak),
     )
 }
 
