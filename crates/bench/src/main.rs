@@ -44,6 +44,8 @@ enum Error {
 }
 
 fn main() -> ExitCode {
+    // As the program `rockfall` does, and for all engines alike.
+    rockfall::math::room::map_large_blocks();
     let options = Options::parse();
     let result = match options.child {
         Some(kind) => child::serve(&options, kind, std::io::stdin().lock(), std::io::stdout().lock()),

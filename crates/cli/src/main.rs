@@ -18,9 +18,11 @@ mod units;
 
 use args::{Cli, Verb};
 use clap::Parser;
+use rockfall::math::room::map_large_blocks;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    map_large_blocks();
     let done = match Cli::parse().verb {
         Verb::Run(args) => run::run(&args),
         Verb::Info(args) => info::info(&args),

@@ -1,24 +1,27 @@
 //! Stage 1, **apply**: bodies that were added or removed since the last step take their places.
 //!
-//! Reads states and ids; writes all columns and the keys of the pairs. Rows are in a canonical order, so that nothing
+//! Reads states and ids; writes all columns and the keys of all pairs. Rows are in a canonical order, so that nothing
 //! depends on the order of the user's calls: new rows stand behind the old ones by id, and every [`SORT_EVERY`] steps
 //! all rows are sorted along the Hilbert curve, the immobile ones last: neighbours in space are neighbours in memory.
 
 use crate::bodies::{Bodies, State};
-use crate::pair::Pairs;
+use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
-use rockfall_solve::{FIXED, row_of};
+use rockfall_solve::batch::Batches;
+use rockfall_solve::row_of;
 use rockfall_tree::{hilbert, morton::Grid};
 
 /// Steps between two sorts of all rows. 64 keeps a flowing pile sorted at under 1 % of the time.
 const SORT_EVERY: u64 = 64;
 
 /// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step, `stirred` are the
-/// rows that were put somewhere else. Returns whether rows have moved or come.
+/// rows that were put somewhere else. The batches, which every step fills anew, give their room to the sort. Returns whether
+/// rows have moved or come.
 pub(crate) fn apply(
     bodies: &mut Bodies,
-    pairs: &mut Pairs,
+    touches: &mut Touches,
+    room: &mut Batches,
     fresh: usize,
     stirred: &[u32],
     step: u64,
@@ -26,7 +29,7 @@ pub(crate) fn apply(
     let rows = bodies.rows();
     let dead = bodies.states.contains(&State::Dead);
     if dead || !stirred.is_empty() {
-        wake_partners(bodies, pairs, stirred);
+        wake_partners(bodies, touches, stirred);
     }
     let sort = step.is_multiple_of(SORT_EVERY) || fresh > rows / 4;
     if !sort && !dead && fresh == 0 {
@@ -44,12 +47,13 @@ pub(crate) fn apply(
     if order.len() == rows && order.iter().enumerate().all(|(i, &row)| i == row as usize) {
         return fresh > 0;
     }
+    *room = Batches::default();
     bodies.reorder(&order);
     let mut new_rows = vec![u32::MAX; rows];
     for (new, &old) in order.iter().enumerate() {
         new_rows[old as usize] = new as u32;
     }
-    pairs.rename(&new_rows);
+    touches.rename(&new_rows);
     true
 }
 
@@ -68,14 +72,15 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
 }
 
 /// What rested on a body that is gone, or somewhere else now, rests no more.
-fn wake_partners(bodies: &mut Bodies, pairs: &Pairs, stirred: &[u32]) {
+fn wake_partners(bodies: &mut Bodies, touches: &Touches, stirred: &[u32]) {
     let mut left: Vec<bool> = bodies.states.iter().map(|&state| state == State::Dead).collect();
     for &row in stirred {
         left[row as usize] = true;
     }
-    for &key in &pairs.keys {
-        let rows = [(key >> 32) as usize, row_of(key as u32 & !FIXED)];
-        for (row, other) in [(rows[0], rows[1]), (rows[1], rows[0])] {
+    for key in touches.keys() {
+        let (a, b) = rows(key);
+        let (a, b) = (a as usize, row_of(b));
+        for (row, other) in [(a, b), (b, a)] {
             if left[other] && bodies.states[row] == State::Asleep {
                 bodies.states[row] = State::Awake;
                 bodies.rests[row] = 0.0;

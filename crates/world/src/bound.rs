@@ -6,8 +6,9 @@
 use crate::bodies::{Bodies, State};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
-use rockfall_math::{Aabb, Mat3, Vec3};
+use rockfall_math::Vec3;
 use rockfall_solve::line::Role;
+use std::mem::take;
 
 /// Reach of a body at rest, as a share of its inner radius. Contacts are made before bodies touch, so that a pile's
 /// contacts don't come and go with its last tremors.
@@ -32,63 +33,49 @@ pub(crate) fn bound(
     all: bool,
     moved: &mut Vec<bool>,
 ) {
-    let dt = 1.0 / settings.rate;
-    let rows = bodies.rows();
     moved.clear();
-    moved.resize(rows, false);
-    let inertias: Vec<Option<Mat3>> = (0..rows)
+    moved.resize(bodies.rows(), false);
+    // The columns that are written leave the others for so long.
+    let (mut boxes, mut reaches) = (take(&mut bodies.boxes), take(&mut bodies.reaches));
+    let (mut lines, mut roles) = (take(&mut bodies.lines), take(&mut bodies.roles));
+    let dt = 1.0 / settings.rate;
+    (&mut boxes, &mut reaches, &mut lines, &mut roles, moved)
         .into_par_iter()
+        .enumerate()
         .with_min_len(256)
-        .map(|row| {
-            let turns = bodies.kinds[row] == Kind::Dynamic && (all || bodies.states[row] == State::Awake);
-            turns.then(|| bodies.world_inverse_inertia(row))
-        })
-        .collect();
-    let renewed: Vec<Option<(f32, Aabb, bool)>> = (1..rows)
-        .into_par_iter()
-        .with_min_len(256)
-        .map(|row| {
-            let shape = shapes.get(bodies.shapes[row] as usize)?;
-            let mover = bodies.kinds[row] != Kind::Static && bodies.states[row] == State::Awake;
-            if !all && !mover {
-                return None;
+        .for_each(|(row, (old, reach, line, role, moved))| {
+            let (kind, awake) = (bodies.kinds[row], bodies.states[row] == State::Awake);
+            if kind == Kind::Dynamic && (all || awake) {
+                line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
             }
-            let pose = bodies.shape_pose(row);
-            if !bodies.is_mover(row) {
-                return Some((0.0, shape.placed_bounds(&pose), true));
+            *role = match (kind, awake) {
+                (Kind::Dynamic, true) => Role::Free,
+                (Kind::Kinematic, true) => Role::Driven,
+                _ => Role::Still,
+            };
+            let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
+            if !all && *role == Role::Still {
+                return;
+            }
+            let bounds = shape.placed_bounds(&bodies.shape_pose(row));
+            if kind == Kind::Static {
+                (*old, *moved) = (bounds, true);
+                return;
             }
             // A kinematic surface has no inner radius, or an infinite one; its partners reach for it.
             let inner = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
-            let line = &bodies.lines[row];
             let speed = line.velocity().length() + line.angular_velocity().length() * bodies.radii[row];
-            let reach = REACH * inner + (speed * dt).min(FAST_REACH * inner);
-            let tight = shape.placed_bounds(&pose).grown(reach);
-            let old = bodies.boxes[row];
+            *reach = REACH * inner + (speed * dt).min(FAST_REACH * inner);
+            let tight = bounds.grown(*reach);
             if !all && old.contains(&tight) {
-                return Some((reach, old, false));
+                return;
             }
             let way = line.velocity() * (STEPS * dt);
             let mut fat = tight.grown(ROOM * inner);
             fat.min += way.min(Vec3::ZERO);
             fat.max += way.max(Vec3::ZERO);
-            Some((reach, fat, true))
-        })
-        .collect();
-    for (row, new) in (1..).zip(renewed) {
-        if let Some((reach, fat, is_new)) = new {
-            bodies.reaches[row] = reach;
-            bodies.boxes[row] = fat;
-            moved[row] = is_new;
-        }
-    }
-    for (row, inertia) in inertias.into_iter().enumerate() {
-        if let Some(m) = inertia {
-            bodies.lines[row].set_inverse_inertia(&m);
-        }
-        bodies.roles[row] = match (bodies.kinds[row], bodies.states[row]) {
-            (Kind::Dynamic, State::Awake) => Role::Free,
-            (Kind::Kinematic, State::Awake) => Role::Driven,
-            _ => Role::Still,
-        };
-    }
+            (*old, *moved) = (fat, true);
+        });
+    (bodies.boxes, bodies.reaches) = (boxes, reaches);
+    (bodies.lines, bodies.roles) = (lines, roles);
 }

@@ -18,6 +18,7 @@ mod settle;
 mod sleep;
 mod sweep;
 mod touch;
+mod touches;
 mod world;
 
 pub use body::{Body, BodyId, Kind, Locks, MassOverride};

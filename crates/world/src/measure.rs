@@ -29,7 +29,8 @@ struct ContactSums {
     touching: usize,
     contacts: usize,
     overlapping: usize,
-    overlap: f64,
+    /// Whole nanometres: a sum that does not know how contacts are grouped.
+    overlap: u64,
     deepest: f32,
 }
 
@@ -57,7 +58,7 @@ pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, chunks: &[Chunk]
         touching: a.touching + b.touching,
         contacts: a.contacts + b.contacts,
         overlapping: a.overlapping + b.overlapping,
-        overlap: a.overlap + b.overlap,
+        overlap: a.overlap.saturating_add(b.overlap),
         deepest: a.deepest.max(b.deepest),
     });
     report.bodies = all.bodies;
@@ -70,7 +71,7 @@ pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, chunks: &[Chunk]
     report.touching = touch.touching;
     report.contacts = touch.contacts;
     report.deepest_penetration = touch.deepest;
-    report.mean_penetration = (touch.overlap / touch.overlapping.max(1) as f64) as f32;
+    report.mean_penetration = (1e-9 * touch.overlap as f64 / touch.overlapping.max(1) as f64) as f32;
 }
 
 fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
@@ -103,7 +104,7 @@ fn contacts(chunk: &Chunk) -> ContactSums {
         sums.touching += usize::from(m.deepest() <= 0.0);
         for &distance in m.distances[..m.count as usize].iter().filter(|&&d| d < 0.0) {
             sums.overlapping += 1;
-            sums.overlap -= f64::from(distance);
+            sums.overlap = sums.overlap.saturating_add((-1e9 * f64::from(distance)) as u64);
             sums.deepest = sums.deepest.max(-distance);
         }
     }

@@ -10,8 +10,7 @@
 
 use crate::bodies::Bodies;
 use crate::index::Index;
-use crate::pair::Pairs;
-use crate::touch::Touches;
+use crate::touches::Touches;
 use crate::{Kind, Shape};
 use rayon::prelude::*;
 use rockfall_collide::{Motion, Sweep, time_of_impact};
@@ -31,7 +30,6 @@ const STOP: f32 = 0.01;
 pub(crate) struct Surroundings<'a> {
     pub(crate) shapes: &'a [Shape],
     pub(crate) trees: &'a Index,
-    pub(crate) pairs: &'a Pairs,
     pub(crate) touches: &'a Touches,
 }
 
@@ -68,7 +66,7 @@ fn first_impact(
     row: usize,
     shape: &Shape,
 ) -> Option<(usize, f32)> {
-    let Surroundings { shapes, trees, pairs, touches } = around;
+    let Surroundings { shapes, trees, touches } = around;
     let end = bodies.positions[row];
     let start = end - bodies.drifts[row].translation().as_dvec3();
     // Boxes date from the start of the step; they have room for slow motion.
@@ -91,8 +89,7 @@ fn first_impact(
         .filter_map(|other| {
             let b = shapes.get(bodies.shapes[other as usize] as usize)?;
             let key = (row as u64) << 32 | u64::from(other | FIXED);
-            let in_contact = pairs.number(key).is_some_and(|number| touches.has_manifold(number));
-            if in_contact && !matches!(b, Shape::Mesh(_)) {
+            if touches.has_manifold(key) && !matches!(b, Shape::Mesh(_)) {
                 return None;
             }
             let sweep = Sweep { a, b: motion(bodies, other as usize, start) };

@@ -1,12 +1,12 @@
 //! Stage 5, **touch**: collision detection: position, normal and signed distance of every contact.
 //!
-//! Reads pairs, poses and the last step's touches; writes manifolds, each point with the impulse of the point of the same
-//! name in the last step. Pairs of which neither body moves are carried over. A run of [`RUN`] pairs is one chunk, so
-//! that threads share nothing and the order of the manifolds is that of the keys.
+//! Reads pairs, poses and the last step's manifolds; writes manifolds in their place, each point with the impulse of the
+//! point of the same name in the last step. Pairs of which neither body moves are carried over. Threads share nothing: each
+//! takes whole runs of pairs.
 
 use crate::Shape;
 use crate::bodies::Bodies;
-use crate::pair::{NEW, Pairs, rows};
+use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_collide::{Cache, Manifold as Local, collide};
 use rockfall_math::Mat3;
@@ -14,108 +14,88 @@ use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
 use rockfall_solve::{Chunk, Manifold, Memory, NO_COLOR, row_of};
 
-/// Pairs in a chunk.
-pub(crate) const RUN: usize = 256;
-
-/// The manifolds of all pairs of a step.
-#[derive(Debug, Default)]
-pub(crate) struct Touches {
-    /// One for every [`RUN`] pairs.
-    pub(crate) chunks: Vec<Chunk>,
-    /// First manifold of each pair in its chunk; one more than there are pairs in each chunk.
-    firsts: Vec<Vec<u32>>,
-    /// What the pair functions remember of each pair.
-    caches: Vec<Vec<Cache>>,
-}
-
-impl Touches {
-    /// Bytes held.
-    pub(crate) fn memory(&self) -> usize {
-        let chunk = |c: &Chunk| {
-            c.manifolds.capacity() * size_of::<Manifold>() + c.memories.capacity() * size_of::<Memory>()
-        };
-        self.chunks.iter().map(chunk).sum::<usize>()
-            + self.firsts.iter().map(|f| f.capacity() * size_of::<u32>()).sum::<usize>()
-            + self.caches.iter().map(|c| c.capacity() * size_of::<Cache>()).sum::<usize>()
-    }
-
-    /// Whether pair `number` is in contact, or about to be.
-    pub(crate) fn has_manifold(&self, number: usize) -> bool {
-        let (chunk, pair) = (number / RUN, number % RUN);
-        self.firsts[chunk][pair] < self.firsts[chunk][pair + 1]
-    }
-
-    /// Manifolds, memories and cache of pair `number`; nothing for a pair that is new.
-    fn of(&self, number: u32) -> (&[Manifold], &[Memory], Cache) {
-        if number == NEW {
-            return (&[], &[], Cache::default());
-        }
-        let (chunk, pair) = (number as usize / RUN, number as usize % RUN);
-        let range = self.firsts[chunk][pair] as usize..self.firsts[chunk][pair + 1] as usize;
-        let content = &self.chunks[chunk];
-        (&content.manifolds[range.clone()], &content.memories[range], self.caches[chunk][pair])
-    }
-}
-
-/// Finds all contacts. `before` holds the last step's touches; `now` is overwritten. Returns the rows of bodies whose
-/// contact was not finite.
-pub(crate) fn touch(
-    pairs: &mut Pairs,
-    bodies: &Bodies,
-    shapes: &[Shape],
-    before: &Touches,
-    now: &mut Touches,
-) -> Vec<usize> {
-    let chunks = pairs.keys.len().div_ceil(RUN);
-    now.chunks.resize_with(chunks, Chunk::default);
-    now.firsts.resize_with(chunks, Vec::new);
-    now.caches.resize_with(chunks, Vec::new);
-    let broken: Vec<usize> = (&mut now.chunks, &mut now.firsts, &mut now.caches)
+/// Finds all contacts. Returns the rows of bodies whose contact was not finite.
+pub(crate) fn touch(touches: &mut Touches, bodies: &Bodies, shapes: &[Shape]) -> Vec<usize> {
+    (&mut touches.runs, &mut touches.chunks)
         .into_par_iter()
-        .zip(pairs.keys.par_chunks(RUN).zip(pairs.befores.par_chunks(RUN)))
-        .enumerate()
-        .flat_map_iter(|(i, ((chunk, firsts, caches), (keys, befores)))| {
-            let mut scratch = Vec::new();
-            let mut broken = Vec::new();
-            chunk.manifolds.clear();
-            chunk.memories.clear();
-            // About as many as in the last step.
-            let expected = before.chunks.get(i).map_or(0, |c| c.manifolds.len());
-            make_room(&mut chunk.manifolds, expected);
-            make_room(&mut chunk.memories, expected);
-            firsts.clear();
-            caches.clear();
-            for (&key, &number) in keys.iter().zip(befores) {
-                firsts.push(chunk.manifolds.len() as u32);
-                let (a, b) = rows(key);
-                let (manifolds, memories, mut cache) = before.of(number);
-                if rests(bodies, a as usize) && rests(bodies, row_of(b)) && number != NEW {
-                    carry(chunk, a, b, manifolds, memories);
-                } else {
-                    scratch.clear();
-                    meet(bodies, shapes, a as usize, row_of(b), &mut cache, &mut scratch);
-                    for local in &scratch {
-                        if is_finite(local) {
-                            enter(chunk, bodies, a, b, local, (manifolds, memories));
-                        } else {
-                            broken.push(a as usize);
-                        }
-                    }
-                }
-                caches.push(cache);
+        .map_init(Fresh::default, |fresh, (run, chunk)| {
+            if run.befores.is_empty() && run.keys.iter().all(|&key| at_rest(bodies, key)) {
+                return Vec::new();
             }
-            firsts.push(chunk.manifolds.len() as u32);
-            let len = chunk.manifolds.len();
-            make_room(&mut chunk.manifolds, len);
-            make_room(&mut chunk.memories, len);
-            make_room(firsts, RUN + 1);
-            make_room(caches, RUN);
+            let broken = fresh.find(run, chunk, bodies, shapes);
+            fresh.replace(run, chunk);
             broken
         })
-        .collect();
-    pairs.befores.clear();
-    pairs.befores.extend(0..pairs.keys.len() as u32);
-    broken
+        .flatten_iter()
+        .collect()
+}
+
+/// A run's contacts of this step, before they take the place of the last step's.
+#[derive(Default)]
+struct Fresh {
+    chunk: Chunk,
+    firsts: Vec<u32>,
+    caches: Vec<Cache>,
+    locals: Vec<Local>,
+}
+
+impl Fresh {
+    /// Finds the contacts of a run.
+    fn find(&mut self, run: &Run, before: &Chunk, bodies: &Bodies, shapes: &[Shape]) -> Vec<usize> {
+        let Fresh { chunk, firsts, caches, locals } = self;
+        let mut broken = Vec::new();
+        for (i, &key) in run.keys.iter().enumerate() {
+            firsts.push(chunk.manifolds.len() as u32);
+            let (a, b) = rows(key);
+            let place = run.before(i);
+            let (mut manifolds, mut memories, mut cache): (&[_], &[_], _) = (&[], &[], Cache::default());
+            if place != NEW {
+                let range = run.manifolds(place);
+                (manifolds, memories) = (&before.manifolds[range.clone()], &before.memories[range]);
+                cache = run.caches[place as usize];
+            }
+            if place != NEW && at_rest(bodies, key) {
+                chunk.manifolds.extend_from_slice(manifolds);
+                chunk.memories.extend_from_slice(memories);
+            } else {
+                locals.clear();
+                meet(bodies, shapes, a as usize, row_of(b), &mut cache, locals);
+                for local in locals.iter() {
+                    if is_finite(local) {
+                        enter(chunk, bodies, a, b, local, (manifolds, memories));
+                    } else {
+                        broken.push(a as usize);
+                    }
+                }
+            }
+            caches.push(cache);
+        }
+        firsts.push(chunk.manifolds.len() as u32);
+        broken
+    }
+
+    /// Puts what was found into the run and is empty again.
+    fn replace(&mut self, run: &mut Run, chunk: &mut Chunk) {
+        run.befores = Vec::new();
+        take(&mut self.firsts, &mut run.firsts);
+        take(&mut self.caches, &mut run.caches);
+        take(&mut self.chunk.manifolds, &mut chunk.manifolds);
+        take(&mut self.chunk.memories, &mut chunk.memories);
+    }
+}
+
+/// Moves the content of `from`, which keeps its room, to `to`.
+fn take<T: Copy>(from: &mut Vec<T>, to: &mut Vec<T>) {
+    to.clear();
+    make_room(to, from.len());
+    to.extend_from_slice(from);
+    from.clear();
+}
+
+/// Whether neither body of a pair moves in this step.
+fn at_rest(bodies: &Bodies, key: u64) -> bool {
+    let (a, b) = rows(key);
+    rests(bodies, a as usize) && rests(bodies, row_of(b))
 }
 
 /// Whether nothing moves the body of a row in this step.
@@ -125,12 +105,6 @@ fn rests(bodies: &Bodies, row: usize) -> bool {
         Role::Free => false,
         Role::Driven => bodies.lines[row].motion[..6].iter().all(|&x| x == 0.0),
     }
-}
-
-/// Takes the manifolds of a pair over as they were; rows may have new numbers.
-fn carry(chunk: &mut Chunk, a: u32, b: u32, manifolds: &[Manifold], memories: &[Memory]) {
-    chunk.manifolds.extend(manifolds.iter().map(|&m| Manifold { a, b, ..m }));
-    chunk.memories.extend_from_slice(memories);
 }
 
 /// Runs the pair function.

@@ -8,8 +8,7 @@ mod step;
 use crate::bodies::{Bodies, State};
 use crate::index::Index;
 use crate::link::Islands;
-use crate::pair::Pairs;
-use crate::touch::Touches;
+use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
 use rockfall_math::lanes::Width;
 use rockfall_math::{DVec3, Vec3};
@@ -101,9 +100,7 @@ pub struct World {
     /// Rows of bodies that were put somewhere else since the last step.
     stirred: Vec<u32>,
     index: Index,
-    pairs: Pairs,
     touches: Touches,
-    spare: Touches,
     painter: Painter,
     islands: Islands,
     batches: Batches,
@@ -138,9 +135,7 @@ impl World {
             fresh: 0,
             stirred: Vec::new(),
             index: Index::default(),
-            pairs: Pairs::default(),
             touches: Touches::default(),
-            spare: Touches::default(),
             painter: Painter::default(),
             islands: Islands::default(),
             batches: Batches::default(),

@@ -147,9 +147,7 @@ impl World {
     pub fn memory(&self) -> usize {
         self.bodies.memory()
             + self.index.memory()
-            + self.pairs.memory()
             + self.touches.memory()
-            + self.spare.memory()
             + self.painter.memory()
             + self.islands.memory()
             + self.batches.memory()

@@ -31,12 +31,11 @@ impl World {
     }
 
     fn stages(&mut self) {
-        let World { settings, width, shapes, materials, bodies, index: trees, pairs, touches, spare, .. } =
-            self;
+        let World { settings, width, shapes, materials, bodies, index: trees, touches, .. } = self;
         let World { painter, islands, batches, moved, report, .. } = self;
         let mut clock = Clock::new();
 
-        let renamed = apply(bodies, pairs, self.fresh, &self.stirred, report.step);
+        let renamed = apply(bodies, touches, batches, self.fresh, &self.stirred, report.step);
         if renamed {
             self.rows.clear();
             self.rows.extend(bodies.ids.iter().copied().zip(0..).skip(1));
@@ -51,10 +50,9 @@ impl World {
         clock.lap();
         index(trees, bodies, moved, all);
         clock.lap();
-        pair(pairs, bodies, trees, moved);
+        pair(touches, bodies, trees, moved);
         clock.lap();
-        let broken = touch(pairs, bodies, shapes, touches, spare);
-        std::mem::swap(touches, spare);
+        let broken = touch(touches, bodies, shapes);
         report.frozen += freeze(bodies, &broken);
         clock.lap();
         paint(&mut touches.chunks, bodies.rows(), painter);
@@ -85,7 +83,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees, pairs, touches });
+            sweep(bodies, Surroundings { shapes, trees, touches });
         }
         clock.lap();
         if settings.sleeping {
@@ -95,7 +93,7 @@ impl World {
 
         report.step += 1;
         report.time = report.step as f64 / f64::from(settings.rate);
-        report.pairs = pairs.keys.len();
+        report.pairs = touches.pairs();
         report.colors = batches.colors();
         measure(report, bodies, &touches.chunks, settings);
         clock.lap();
