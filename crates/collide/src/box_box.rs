@@ -31,7 +31,8 @@ use crate::segments;
 use crate::{Cache, ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
 
-/// Appends the manifold of two boxes, given by their half extents, if they come within `margin`.
+/// Appends the manifold of two boxes, given by their half extents, if they come within `margin`. Returns how far apart they
+/// are at least, or 0.
 pub(crate) fn collide(
     a: Vec3,
     b: Vec3,
@@ -39,17 +40,20 @@ pub(crate) fn collide(
     margin: f32,
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     let boxes = Boxes::new(a, b, b_in_a);
-    if (1..=15).contains(&cache.word) && boxes.separation(cache.word as usize - 1) > margin {
-        return;
+    if (1..=15).contains(&cache.word) {
+        let separation = boxes.separation(cache.word as usize - 1);
+        if separation > margin {
+            return separation;
+        }
     }
     let mut separations = [0.0; 15];
     for (k, s) in separations.iter_mut().enumerate() {
         *s = boxes.separation(k);
         if *s > margin {
             cache.word = k as u32 + 1;
-            return;
+            return *s;
         }
     }
     let best = |from: usize, to: usize| {
@@ -69,7 +73,7 @@ pub(crate) fn collide(
             // The preferred face must have points to show for it.
             if manifold.deepest() <= of_face + preference(smaller, of_face) || apart == of_face {
                 out.push(manifold);
-                return;
+                return 0.0;
             }
         }
         out.push(if apart == of_edge {
@@ -80,7 +84,7 @@ pub(crate) fn collide(
             let face = if apart == of_a { face_a } else { face_b };
             boxes.over_face(face, SLACK * smaller, margin, apart)
         });
-        return;
+        return 0.0;
     }
     // `apart` is a lower bound of the distance and a point over a face an upper one. Half a micrometre per metre of
     // size between them counts as none.
@@ -91,7 +95,7 @@ pub(crate) fn collide(
             && boxes.reaches(face, apart + same)
         {
             out.push(boxes.over_face(face, SLACK * smaller, margin, apart));
-            return;
+            return 0.0;
         }
     }
     let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
@@ -100,10 +104,11 @@ pub(crate) fn collide(
         Proximity::Apart(closest) => {
             out.push(polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest));
         }
-        Proximity::Beyond(_) => {}
+        Proximity::Beyond(_) => return margin,
         // Apart by less than rounding.
         Proximity::Overlap => out.push(boxes.over_face(face, SLACK * smaller, margin, of_face)),
     }
+    0.0
 }
 
 /// Both boxes in the frame of A.

@@ -48,7 +48,8 @@ impl<'a> Convex<'a> {
     }
 }
 
-/// Appends the manifold of two convex shapes if they come within `margin`.
+/// Appends the manifold of two convex shapes if they come within `margin`. Returns how far apart they are at least, as far
+/// as that is known.
 #[inline]
 pub(crate) fn collide(
     a: &Shape,
@@ -57,19 +58,20 @@ pub(crate) fn collide(
     margin: f32,
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     if let (Shape::Box { half: a }, Shape::Box { half: b }) = (a, b) {
         return box_box::collide(*a, *b, b_in_a, margin, cache, out);
     }
-    let (Some(a), Some(b)) = (Convex::of(a), Convex::of(b)) else { return };
+    let (Some(a), Some(b)) = (Convex::of(a), Convex::of(b)) else { return 0.0 };
     if a.rank() <= b.rank() {
-        in_order(&a, &b, b_in_a, margin, cache, out);
+        in_order(&a, &b, b_in_a, margin, cache, out)
     } else {
         let start = out.len();
-        in_order(&b, &a, &b_in_a.inverse(), margin, cache, out);
+        let apart = in_order(&b, &a, &b_in_a.inverse(), margin, cache, out);
         for manifold in &mut out[start..] {
             manifold.swap(b_in_a);
         }
+        apart
     }
 }
 
@@ -80,36 +82,48 @@ fn in_order(
     margin: f32,
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     use Convex::{Box, Capsule, HalfSpace, Hull, Sphere};
-    let single = |c: Closest| (c.distance <= margin).then(|| c.manifold());
-    let center = [b_in_a.translation];
-    match (a, b) {
-        (HalfSpace(a), Hull(b)) => out.extend(a.poly_manifold(b, b_in_a, margin)),
-        (HalfSpace(a), Box(b)) => out.extend(a.poly_manifold(&BoxPoly::new(*b).poly(), b_in_a, margin)),
-        (HalfSpace(a), Capsule(b)) => out.extend(a.manifold(&b.core(), b.radius, b_in_a, margin)),
-        (HalfSpace(a), Sphere(b)) => out.extend(a.manifold(&[Vec3::ZERO], *b, b_in_a, margin)),
-        (Hull(a), Hull(b)) => polyhedra::collide(a, b, b_in_a, margin, cache, out),
-        (Hull(a), Box(b)) => polyhedra::collide(a, &BoxPoly::new(*b).poly(), b_in_a, margin, cache, out),
-        (Hull(a), Capsule(b)) => {
-            out.extend(core_poly::capsule_manifold(a, b.placed_core(b_in_a), b.radius, margin));
+    let center = b_in_a.translation;
+    let manifold = match (a, b) {
+        (Box(a), Box(b)) => return box_box::collide(*a, *b, b_in_a, margin, cache, out),
+        (Hull(a), Hull(b)) => return polyhedra::collide(a, b, b_in_a, margin, cache, out),
+        (Hull(a), Box(b)) => {
+            return polyhedra::collide(a, &BoxPoly::new(*b).poly(), b_in_a, margin, cache, out);
         }
-        (Hull(a), Sphere(b)) => {
-            let nearest = core_poly::point(a, center[0], margin + b);
-            out.extend(nearest.and_then(|c| single(c.with_skins(0.0, *b))));
+        (Box(a), Sphere(b)) => {
+            return single(sphere_box::point(*a, center).with_skins(0.0, *b), margin, out);
         }
-        (Box(a), Box(b)) => box_box::collide(*a, *b, b_in_a, margin, cache, out),
+        (Capsule(a), Sphere(b)) => return single(round::capsule_sphere(*a, *b, b_in_a), margin, out),
+        (Sphere(a), Sphere(b)) => return single(round::spheres(*a, *b, b_in_a), margin, out),
+        (HalfSpace(a), Hull(b)) => a.poly_manifold(b, b_in_a, margin),
+        (HalfSpace(a), Box(b)) => a.poly_manifold(&BoxPoly::new(*b).poly(), b_in_a, margin),
+        (HalfSpace(a), Capsule(b)) => a.manifold(&b.core(), b.radius, b_in_a, margin),
+        (HalfSpace(a), Sphere(b)) => a.manifold(&[Vec3::ZERO], *b, b_in_a, margin),
+        (Hull(a), Capsule(b)) => core_poly::capsule_manifold(a, b.placed_core(b_in_a), b.radius, margin),
+        (Hull(a), Sphere(b)) => core_poly::point(a, center, margin + b)
+            .map(|c| c.with_skins(0.0, *b))
+            .filter(|c| c.distance <= margin)
+            .map(|c| c.manifold()),
         (Box(a), Capsule(b)) => {
-            let cuboid = BoxPoly::new(*a);
-            out.extend(core_poly::capsule_manifold(&cuboid.poly(), b.placed_core(b_in_a), b.radius, margin));
+            let core = b.placed_core(b_in_a);
+            core_poly::capsule_manifold(&BoxPoly::new(*a).poly(), core, b.radius, margin)
         }
-        (Box(a), Sphere(b)) => out.extend(single(sphere_box::point(*a, center[0]).with_skins(0.0, *b))),
-        (Capsule(a), Capsule(b)) => out.extend(round::capsules_manifold(*a, *b, b_in_a, margin)),
-        (Capsule(a), Sphere(b)) => out.extend(single(round::capsule_sphere(*a, *b, b_in_a))),
-        (Sphere(a), Sphere(b)) => out.extend(single(round::spheres(*a, *b, b_in_a))),
+        (Capsule(a), Capsule(b)) => round::capsules_manifold(*a, *b, b_in_a, margin),
         // Two half-spaces; no other pair is out of order.
-        _ => {}
+        _ => None,
+    };
+    out.extend(manifold);
+    0.0
+}
+
+/// The manifold of two nearest points within `margin`, or their distance.
+fn single(closest: Closest, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+    if closest.distance > margin {
+        return closest.distance;
     }
+    out.push(closest.manifold());
+    0.0
 }
 
 /// Signed distance of two convex shapes.

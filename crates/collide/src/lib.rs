@@ -44,6 +44,9 @@ use rockfall_shape::Shape;
 /// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite.
 ///
+/// Returns a distance by which the shapes are surely apart, metres, to rounding: their distance or less; 0 where that is
+/// not known without more work.
+///
 /// # Examples
 /// ```
 /// use rockfall_collide::{Cache, collide};
@@ -65,19 +68,26 @@ pub fn collide(
     margin: f32,
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     if !is_finite(b_in_a) {
-        return;
+        return 0.0;
     }
     match (a, b) {
-        (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
-        (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
+        (_, Shape::Mesh(mesh)) => {
+            convex_mesh(a, mesh, b_in_a, margin, out);
+            0.0
+        }
+        (_, Shape::HeightField(field)) => {
+            convex_height_field(a, field, b_in_a, margin, out);
+            0.0
+        }
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {
             let first = out.len();
-            collide(b, a, &b_in_a.inverse(), margin, cache, out);
+            let apart = collide(b, a, &b_in_a.inverse(), margin, cache, out);
             for manifold in &mut out[first..] {
                 manifold.swap(b_in_a);
             }
+            apart
         }
         _ => convex::collide(a, b, b_in_a, margin, cache, out),
     }

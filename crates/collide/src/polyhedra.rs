@@ -19,7 +19,7 @@ use smallvec::SmallVec;
 /// shortest way; held at one point only, they would turn about it into each other.
 pub(crate) const FACE_COSINE: f32 = 0.8;
 
-/// Appends the manifold of two polyhedra if they come within `margin`.
+/// Appends the manifold of two polyhedra if they come within `margin`. Returns how far apart they are at least, or 0.
 pub(crate) fn collide(
     a: &Poly,
     b: &Poly,
@@ -27,14 +27,18 @@ pub(crate) fn collide(
     margin: f32,
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
-) {
-    if let Some(axis) = direction::unpack(cache.word)
-        && surely_apart(a, b, b_in_a, margin, axis)
-    {
-        return;
+) -> f32 {
+    if let Some(axis) = direction::unpack(cache.word) {
+        let apart = surely_apart(a, b, b_in_a, axis);
+        if apart > margin {
+            return apart;
+        }
     }
     match gjk::proximity(a.vertices, b.vertices, b_in_a, margin) {
-        Proximity::Beyond(axis) => cache.word = direction::pack(axis),
+        Proximity::Beyond(axis) => {
+            cache.word = direction::pack(axis);
+            return surely_apart(a, b, b_in_a, axis.normalize()).max(margin);
+        }
         Proximity::Apart(closest) => {
             cache.word = direction::pack(closest.normal);
             out.push(around(a, b, b_in_a, margin, &closest));
@@ -52,6 +56,7 @@ pub(crate) fn collide(
             out.push(manifold);
         }
     }
+    0.0
 }
 
 /// Signed distance of two polyhedra.
@@ -87,13 +92,13 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     }
 }
 
-/// Whether `axis` proves a distance beyond `margin`, with room for all rounding: the slow way must then agree.
-fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, axis: Vec3) -> bool {
+/// The distance that `axis` proves, with room for all rounding: the slow way must agree that there is so much.
+fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: Vec3) -> f32 {
     let furthest = a.support(axis).dot(axis);
     let back = b_in_a.inverse_vector(axis);
     let nearest = b.support(-back).dot(back) + axis.dot(b_in_a.translation);
     let rounding = 1e-5 * (furthest.abs() + nearest.abs() + b_in_a.translation.abs().element_sum());
-    nearest - furthest > margin * (1.0 + 1e-5) + rounding
+    (nearest - furthest) * (1.0 - 1e-5) - rounding
 }
 
 /// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face.

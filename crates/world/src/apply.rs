@@ -5,12 +5,14 @@
 //! all rows are sorted along the Hilbert curve, the immobile ones last: neighbours in space are neighbours in memory.
 
 use crate::bodies::{Bodies, State};
+use crate::recall::ELSEWHERE;
 use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
 use rockfall_solve::batch::Batches;
 use rockfall_solve::row_of;
 use rockfall_tree::{hilbert, morton::Grid};
+use std::collections::BTreeSet;
 
 /// Steps between two sorts of all rows. 64 keeps a flowing pile sorted at under 1 % of the time.
 const SORT_EVERY: u64 = 64;
@@ -23,9 +25,13 @@ pub(crate) fn apply(
     touches: &mut Touches,
     room: &mut Batches,
     fresh: usize,
-    stirred: &[u32],
+    stirred: &BTreeSet<u32>,
     step: u64,
 ) -> bool {
+    for &row in stirred {
+        let way = &mut bodies.ways[row as usize];
+        *way = way.wrapping_add(ELSEWHERE);
+    }
     let rows = bodies.rows();
     let dead = bodies.states.contains(&State::Dead);
     if dead || !stirred.is_empty() {
@@ -72,7 +78,7 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
 }
 
 /// What rested on a body that is gone, or somewhere else now, rests no more.
-fn wake_partners(bodies: &mut Bodies, touches: &Touches, stirred: &[u32]) {
+fn wake_partners(bodies: &mut Bodies, touches: &Touches, stirred: &BTreeSet<u32>) {
     let mut left: Vec<bool> = bodies.states.iter().map(|&state| state == State::Dead).collect();
     for &row in stirred {
         left[row as usize] = true;

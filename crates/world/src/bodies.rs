@@ -107,6 +107,8 @@ columns! {
     rests: f32 = 0.0,
     /// How far outside of the surface a contact is made, metres.
     reaches: f32 = 0.0,
+    /// Way gone so far; see `crate::recall`.
+    ways: u32 = 0,
     /// What the broad phase sees: a box with room to move in.
     boxes: Aabb = Aabb::EMPTY,
 }

@@ -1,9 +1,10 @@
 //! Stage 2, **bound**: boxes for the broad phase.
 //!
-//! Reads poses and shapes; writes each moving body's reach, inverse inertia in world axes, role, and box, and tells which
+//! Reads poses and shapes; writes each moving body's way, reach, inverse inertia in world axes, role, and box, and tells which
 //! boxes are new. A box has room to move in: it stays until the body, with its reach, leaves it.
 
 use crate::bodies::{Bodies, State};
+use crate::recall::way;
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
 use rockfall_math::Vec3;
@@ -38,12 +39,13 @@ pub(crate) fn bound(
     // The columns that are written leave the others for so long.
     let (mut boxes, mut reaches) = (take(&mut bodies.boxes), take(&mut bodies.reaches));
     let (mut lines, mut roles) = (take(&mut bodies.lines), take(&mut bodies.roles));
+    let mut ways = take(&mut bodies.ways);
     let dt = 1.0 / settings.rate;
-    (&mut boxes, &mut reaches, &mut lines, &mut roles, moved)
+    (&mut boxes, &mut reaches, &mut lines, &mut roles, &mut ways, moved)
         .into_par_iter()
         .enumerate()
         .with_min_len(256)
-        .for_each(|(row, (old, reach, line, role, moved))| {
+        .for_each(|(row, (old, reach, line, role, gone, moved))| {
             let (kind, awake) = (bodies.kinds[row], bodies.states[row] == State::Awake);
             if kind == Kind::Dynamic && (all || awake) {
                 line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
@@ -53,6 +55,7 @@ pub(crate) fn bound(
                 (Kind::Kinematic, true) => Role::Driven,
                 _ => Role::Still,
             };
+            *gone = gone.wrapping_add(way(&bodies.drifts[row], bodies.radii[row]));
             let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if !all && *role == Role::Still {
                 return;
@@ -70,12 +73,12 @@ pub(crate) fn bound(
             if !all && old.contains(&tight) {
                 return;
             }
-            let way = line.velocity() * (STEPS * dt);
+            let ahead = line.velocity() * (STEPS * dt);
             let mut fat = tight.grown(ROOM * inner);
-            fat.min += way.min(Vec3::ZERO);
-            fat.max += way.max(Vec3::ZERO);
+            fat.min += ahead.min(Vec3::ZERO);
+            fat.max += ahead.max(Vec3::ZERO);
             (*old, *moved) = (fat, true);
         });
     (bodies.boxes, bodies.reaches) = (boxes, reaches);
-    (bodies.lines, bodies.roles) = (lines, roles);
+    (bodies.lines, bodies.roles, bodies.ways) = (lines, roles, ways);
 }

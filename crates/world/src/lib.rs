@@ -12,6 +12,7 @@ mod link;
 mod material;
 mod measure;
 mod pair;
+mod recall;
 mod report;
 mod settings;
 mod settle;

@@ -6,9 +6,10 @@
 
 use crate::Shape;
 use crate::bodies::Bodies;
+use crate::recall::{Recall, follow, looseness};
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
-use rockfall_collide::{Cache, Manifold as Local, collide};
+use rockfall_collide::{Manifold as Local, collide};
 use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
@@ -35,31 +36,40 @@ pub(crate) fn touch(touches: &mut Touches, bodies: &Bodies, shapes: &[Shape]) ->
 struct Fresh {
     chunk: Chunk,
     firsts: Vec<u32>,
-    caches: Vec<Cache>,
+    recalls: Vec<Recall>,
     locals: Vec<Local>,
 }
 
 impl Fresh {
     /// Finds the contacts of a run.
     fn find(&mut self, run: &Run, before: &Chunk, bodies: &Bodies, shapes: &[Shape]) -> Vec<usize> {
-        let Fresh { chunk, firsts, caches, locals } = self;
+        let Fresh { chunk, firsts, recalls, locals } = self;
         let mut broken = Vec::new();
         for (i, &key) in run.keys.iter().enumerate() {
             firsts.push(chunk.manifolds.len() as u32);
             let (a, b) = rows(key);
             let place = run.before(i);
-            let (mut manifolds, mut memories, mut cache): (&[_], &[_], _) = (&[], &[], Cache::default());
+            let (mut manifolds, mut memories, mut recall): (&[_], &[_], _) = (&[], &[], Recall::default());
             if place != NEW {
                 let range = run.manifolds(place);
                 (manifolds, memories) = (&before.manifolds[range.clone()], &before.memories[range]);
-                cache = run.caches[place as usize];
+                recall = run.recalls[place as usize];
             }
             if place != NEW && at_rest(bodies, key) {
                 chunk.manifolds.extend_from_slice(manifolds);
                 chunk.memories.extend_from_slice(memories);
+            } else if place != NEW && still_serves(&recall, bodies, key, manifolds) {
+                let (drift_a, drift_b) = (&bodies.drifts[a as usize], &bodies.drifts[row_of(b)]);
+                let moved = drift_b.translation() - drift_a.translation();
+                let offset = (bodies.positions[row_of(b)] - bodies.positions[a as usize]).as_vec3() - moved;
+                for (&manifold, &memory) in manifolds.iter().zip(memories) {
+                    chunk.manifolds.push(manifold);
+                    chunk.memories.push(memory);
+                    follow(chunk.manifolds.last_mut().expect("was pushed"), offset, drift_a, drift_b);
+                }
             } else {
                 locals.clear();
-                meet(bodies, shapes, a as usize, row_of(b), &mut cache, locals);
+                meet(bodies, shapes, a as usize, row_of(b), &mut recall, locals);
                 for local in locals.iter() {
                     if is_finite(local) {
                         enter(chunk, bodies, a, b, local, (manifolds, memories));
@@ -68,7 +78,7 @@ impl Fresh {
                     }
                 }
             }
-            caches.push(cache);
+            recalls.push(recall);
         }
         firsts.push(chunk.manifolds.len() as u32);
         broken
@@ -78,7 +88,7 @@ impl Fresh {
     fn replace(&mut self, run: &mut Run, chunk: &mut Chunk) {
         run.befores = Vec::new();
         take(&mut self.firsts, &mut run.firsts);
-        take(&mut self.caches, &mut run.caches);
+        take(&mut self.recalls, &mut run.recalls);
         take(&mut self.chunk.manifolds, &mut chunk.manifolds);
         take(&mut self.chunk.memories, &mut chunk.memories);
     }
@@ -92,30 +102,41 @@ fn take<T: Copy>(from: &mut Vec<T>, to: &mut Vec<T>) {
     from.clear();
 }
 
-/// Whether neither body of a pair moves in this step.
+/// Whether neither body of a pair moves.
 fn at_rest(bodies: &Bodies, key: u64) -> bool {
     let (a, b) = rows(key);
     rests(bodies, a as usize) && rests(bodies, row_of(b))
 }
 
-/// Whether nothing moves the body of a row in this step.
+/// Whether the body of a row has not moved in the last step and nothing moves it in this one.
 fn rests(bodies: &Bodies, row: usize) -> bool {
-    match bodies.roles[row] {
+    let still = match bodies.roles[row] {
         Role::Still => true,
         Role::Free => false,
         Role::Driven => bodies.lines[row].motion[..6].iter().all(|&x| x == 0.0),
-    }
+    };
+    still && bodies.drifts[row].0.iter().all(|&x| x == 0.0)
+}
+
+/// Whether what a pair knows is still true enough.
+fn still_serves(recall: &Recall, bodies: &Bodies, key: u64, manifolds: &[Manifold]) -> bool {
+    let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+    let margin = if manifolds.is_empty() { bodies.reaches[a] + bodies.reaches[b] } else { 0.0 };
+    recall.left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin
 }
 
 /// Runs the pair function.
-fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, cache: &mut Cache, out: &mut Vec<Local>) {
+fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, recall: &mut Recall, out: &mut Vec<Local>) {
     let (Some(shape_a), Some(shape_b)) =
         (shapes.get(bodies.shapes[a] as usize), shapes.get(bodies.shapes[b] as usize))
     else {
         return;
     };
     let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
-    collide(shape_a, shape_b, &b_in_a, bodies.reaches[a] + bodies.reaches[b], cache, out);
+    let margin = bodies.reaches[a] + bodies.reaches[b];
+    let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
+    let serves = if out.is_empty() { apart } else { looseness(shape_a, shape_b) };
+    recall.set(bodies.ways[a].wrapping_add(bodies.ways[b]), serves);
 }
 
 fn is_finite(local: &Local) -> bool {

@@ -5,8 +5,8 @@
 //! is merged for the world as a whole. A run that has grown to twice its length is cut, neighbours that have shrunk are
 //! joined. Where the cuts lie follows from what happened before; nothing that is computed may depend on it.
 
+use crate::recall::Recall;
 use rayon::prelude::*;
-use rockfall_collide::Cache;
 use rockfall_math::room::make_room;
 use rockfall_solve::{Chunk, FIXED, Manifold, Memory, row_of};
 
@@ -31,8 +31,8 @@ pub(crate) struct Run {
     pub(crate) befores: Vec<u32>,
     /// First manifold of each pair in the chunk, and the number of all.
     pub(crate) firsts: Vec<u32>,
-    /// What the pair functions remember of each pair.
-    pub(crate) caches: Vec<Cache>,
+    /// What each pair remembers.
+    pub(crate) recalls: Vec<Recall>,
 }
 
 impl Run {
@@ -49,7 +49,7 @@ impl Run {
     fn memory(&self) -> usize {
         self.keys.capacity() * size_of::<u64>()
             + (self.befores.capacity() + self.firsts.capacity()) * size_of::<u32>()
-            + self.caches.capacity() * size_of::<Cache>()
+            + self.recalls.capacity() * size_of::<Recall>()
     }
 }
 
@@ -136,7 +136,7 @@ impl Touches {
 
         let Touches { runs, chunks } = self;
         let keys = gather(&places, |place| [place.key]);
-        let caches = gather(&places, |place| [runs[place.run as usize].caches[place.pair as usize]]);
+        let recalls = gather(&places, |place| [runs[place.run as usize].recalls[place.pair as usize]]);
         let manifolds = gather(&places, |place| {
             let (a, b) = rows(place.key);
             let range = runs[place.run as usize].manifolds(place.pair);
@@ -158,9 +158,9 @@ impl Touches {
         });
         *runs = keys
             .into_iter()
-            .zip(caches)
+            .zip(recalls)
             .zip(firsts)
-            .map(|((keys, caches), firsts)| Run { keys, befores: Vec::new(), firsts, caches })
+            .map(|((keys, recalls), firsts)| Run { keys, befores: Vec::new(), firsts, recalls })
             .collect();
         *chunks = manifolds
             .into_iter()
@@ -193,7 +193,7 @@ fn gather<T: Send, I: IntoIterator<Item = T>>(
 
 /// Appends a run and its chunk to those before it.
 fn join(last: &mut Run, of_last: &mut Chunk, mut run: Run, mut chunk: Chunk) {
-    let (pairs, manifolds) = (last.caches.len() as u32, of_last.manifolds.len() as u32);
+    let (pairs, manifolds) = (last.recalls.len() as u32, of_last.manifolds.len() as u32);
     for run in [&mut *last, &mut run] {
         if run.befores.is_empty() {
             run.befores = (0..run.keys.len() as u32).collect();
@@ -204,7 +204,7 @@ fn join(last: &mut Run, of_last: &mut Chunk, mut run: Run, mut chunk: Chunk) {
     last.befores.extend(run.befores.into_iter().map(moved));
     last.firsts.pop();
     last.firsts.extend(run.firsts.into_iter().map(|first| first + manifolds));
-    last.caches.append(&mut run.caches);
+    last.recalls.append(&mut run.recalls);
     of_last.manifolds.append(&mut chunk.manifolds);
     of_last.memories.append(&mut chunk.memories);
 }
@@ -214,7 +214,7 @@ fn cut(run: &Run, chunk: &Chunk) -> Vec<(Run, Chunk)> {
     let pieces = run.keys.len().div_ceil(RUN);
     let start = |piece: usize| piece * run.keys.len() / pieces;
     // Where the last step's pairs are cut: at the first that goes on in a piece or behind it.
-    let mut old_start = vec![run.caches.len() as u32; pieces + 1];
+    let mut old_start = vec![run.recalls.len() as u32; pieces + 1];
     for piece in (0..pieces).rev() {
         let first = (start(piece)..start(piece + 1)).map(|i| run.before(i)).find(|&before| before != NEW);
         old_start[piece] = first.unwrap_or(old_start[piece + 1]);
@@ -230,7 +230,7 @@ fn cut(run: &Run, chunk: &Chunk) -> Vec<(Run, Chunk)> {
                 keys: run.keys[pairs.clone()].to_vec(),
                 befores: pairs.map(|i| shifted(run.before(i))).collect(),
                 firsts: (old.start..=old.end).map(|i| first(i) - first(old.start)).collect(),
-                caches: run.caches[old.start as usize..old.end as usize].to_vec(),
+                recalls: run.recalls[old.start as usize..old.end as usize].to_vec(),
             };
             let content = Chunk {
                 manifolds: chunk.manifolds[manifolds.clone()].to_vec(),
@@ -250,7 +250,7 @@ mod tests {
         let (mut run, mut chunk) = (Run { keys: keys.to_vec(), ..Run::default() }, Chunk::default());
         for &key in keys {
             run.firsts.push(chunk.manifolds.len() as u32);
-            run.caches.push(Cache { word: key as u32 });
+            run.recalls.push(Recall { mark: key as u32, ..Recall::default() });
             for _ in 0..count(key) {
                 chunk.manifolds.push(Manifold { a: key as u32, ..Manifold::default() });
                 chunk.memories.push(Memory { color: key as u32, ..Memory::default() });
@@ -271,7 +271,7 @@ mod tests {
             let before = run.before(i);
             (before != NEW).then(|| {
                 let names = chunk.manifolds[run.manifolds(before)].iter().map(|m| m.a).collect();
-                (run.caches[before as usize].word, names)
+                (run.recalls[before as usize].mark, names)
             })
         };
         let pairs = touches.runs.iter().zip(&touches.chunks);
@@ -311,7 +311,7 @@ mod tests {
         touches.rename(&[0, 3, u32::MAX, 1, 2]);
         let keys: Vec<u64> = touches.keys().collect();
         assert_eq!(keys, [key(1, u64::from(2 | FIXED)), key(3, 1)]);
-        let words: Vec<u32> = touches.runs[0].caches.iter().map(|c| c.word).collect();
+        let words: Vec<u32> = touches.runs[0].recalls.iter().map(|recall| recall.mark).collect();
         assert_eq!(words, [4 | FIXED, 3]);
         let rows: Vec<_> = touches.chunks[0].manifolds.iter().map(|m| (m.a, m.b)).collect();
         assert_eq!(rows, [(1, 2 | FIXED), (3, 1)]);

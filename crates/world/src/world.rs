@@ -15,7 +15,7 @@ use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::MassProperties;
 use rockfall_solve::Batches;
 use rockfall_solve::paint::Painter;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, OnceLock};
 
 /// A shape of a [`World`], shared by any number of bodies.
@@ -98,7 +98,7 @@ pub struct World {
     /// Rows at the end that the last step did not see.
     fresh: usize,
     /// Rows of bodies that were put somewhere else since the last step.
-    stirred: Vec<u32>,
+    stirred: BTreeSet<u32>,
     index: Index,
     touches: Touches,
     painter: Painter,
@@ -133,7 +133,7 @@ impl World {
             names: HashMap::new(),
             next_id: 1,
             fresh: 0,
-            stirred: Vec::new(),
+            stirred: BTreeSet::new(),
             index: Index::default(),
             touches: Touches::default(),
             painter: Painter::default(),

@@ -159,7 +159,7 @@ impl World {
         self.bodies.positions[row] = pose.position + center.as_dvec3();
         self.bodies.rotations[row] = rotation;
         self.wake(row);
-        self.stirred.push(row as u32);
+        self.stirred.insert(row as u32);
         Ok(())
     }
 

@@ -1,0 +1,136 @@
+//! What a pair knows from one step to the next, and for how long that serves.
+//!
+//! Each body counts the way that it has gone; a pair that was looked at sets a mark on the sum of both counts. Until the sum has come to
+//! the mark, bodies that were apart still are, and the manifold of those that touch has only to follow them: points keep
+//! their places on both surfaces, signed distances change with them. In a pile at rest this spares almost all collision
+//! detection. The bound is conservative: it counts all motion, also that which the two have in common.
+
+use crate::Shape;
+use rockfall_collide::Cache;
+use rockfall_math::Vec3;
+use rockfall_solve::{Drift, Manifold};
+
+/// Share of the smaller inner radius by which two bodies may move while their manifold only follows them.
+const LOOSE: f32 = 5e-3;
+
+/// Counts of a metre: way is counted in nanometres, modulo 2³². No step adds more than [`LEAP`] to a count and no mark is
+/// further ahead than [`AHEAD`], so that a difference of counts is never mistaken.
+const METRE: f32 = 1e9;
+const LEAP: f32 = 0.7e9;
+const AHEAD: f32 = 0.5e9;
+
+/// The count of a body that was put somewhere else is moved on by so much: past every mark.
+pub(crate) const ELSEWHERE: u32 = LEAP as u32;
+
+/// What a pair remembers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Recall {
+    /// Of the pair function.
+    pub(crate) cache: Cache,
+    /// The sum of both bodies' counts at which the pair has to be looked at again.
+    pub(crate) mark: u32,
+}
+
+impl Recall {
+    /// Way that is left until the pair has to be looked at, metres.
+    pub(crate) fn left(&self, count: u32) -> f32 {
+        self.mark.wrapping_sub(count) as i32 as f32 / METRE
+    }
+
+    /// Sets the mark for `way` metres more.
+    pub(crate) fn set(&mut self, count: u32, way: f32) {
+        // Rounded down, a little more than single precision errs by.
+        let ahead = (way * (METRE * (1.0 - 1e-6))).min(AHEAD);
+        self.mark = count.wrapping_add(ahead as u32);
+    }
+}
+
+/// What a body's motion in a step adds to its count, `radius` being the distance of its farthest point from its centre.
+pub(crate) fn way(drift: &Drift, radius: f32) -> u32 {
+    let way = drift.translation().length() + drift.rotation().length() * radius;
+    // Rounded up, so that whatever moves gets on.
+    (way * (METRE * (1.0 + 1e-6))).min(LEAP).ceil() as u32
+}
+
+/// How far two bodies may move while their manifold only follows them, metres. Nothing where a shape is round: a ball that
+/// rolls does not take its contact along.
+pub(crate) fn looseness(a: &Shape, b: &Shape) -> f32 {
+    let of = |shape: &Shape| match shape {
+        Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
+        Shape::Box { .. } | Shape::Hull(_) => LOOSE * shape.inner_radius(),
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => f32::INFINITY,
+    };
+    of(a).min(of(b))
+}
+
+/// Lets a manifold follow its bodies by their motion in the last step. `offset` leads from the centre of a to that of b,
+/// before that motion.
+pub(crate) fn follow(manifold: &mut Manifold, offset: Vec3, a: &Drift, b: &Drift) {
+    let (move_a, turn_a) = (a.translation(), a.rotation());
+    let (move_b, turn_b) = (b.translation(), b.rotation());
+    let normal = manifold.normal;
+    for p in 0..manifold.count as usize {
+        let arm = manifold.arms[p];
+        let of_a = turn_a.cross(arm);
+        let of_b = move_b - move_a + turn_b.cross(arm - offset);
+        manifold.distances[p] += normal.dot(of_b - of_a);
+        manifold.arms[p] = arm + 0.5 * (of_a + of_b);
+    }
+    manifold.normal = (normal + 0.5 * (turn_a + turn_b).cross(normal)).normalize();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockfall_math::{Mat3, Quat, rotation};
+
+    fn drift(translation: Vec3, rotation: Vec3) -> Drift {
+        let mut drift = Drift::default();
+        drift.set(translation, rotation);
+        drift
+    }
+
+    #[test]
+    fn marks_are_passed_in_time_also_when_counts_wrap() {
+        for start in [0, u32::MAX - 5, 1 << 31] {
+            let mut recall = Recall::default();
+            recall.set(start, 1e-3);
+            assert!((recall.left(start) - 1e-3).abs() < 1e-8);
+            let step = drift(Vec3::new(3e-4, 0.0, 0.0), Vec3::new(0.0, 1e-4, 0.0));
+            let count = start.wrapping_add(2 * way(&step, 1.0));
+            assert!((recall.left(count) - 2e-4).abs() < 1e-7);
+            assert!(recall.left(count.wrapping_add(way(&step, 1.0))) < 0.0);
+            // The largest leaps of both bodies from the furthest mark.
+            recall.set(start, 1e9);
+            let far = way(&drift(Vec3::splat(1e5), Vec3::ZERO), 1.0);
+            assert!(recall.left(start.wrapping_add(2 * far)) < 0.0);
+        }
+        assert_eq!(way(&Drift::default(), 1.0), 0);
+        assert!(way(&drift(Vec3::splat(1e-12), Vec3::ZERO), 1.0) > 0);
+    }
+
+    /// Against the motion itself: a plane of b over points of a, both moved and turned a little.
+    #[test]
+    fn a_manifold_follows_to_first_order() {
+        let offset = Vec3::new(0.2, -0.1, 1.0);
+        let arms = [Vec3::new(0.5, 0.5, 0.5), Vec3::new(-0.5, 0.4, 0.5)];
+        let mut manifold = Manifold { count: 2, normal: Vec3::Z, ..Manifold::default() };
+        manifold.arms[..2].copy_from_slice(&arms);
+        let small = 1e-3;
+        let a = drift(small * Vec3::new(0.3, -0.2, 0.7), small * Vec3::new(0.5, 0.4, -0.6));
+        let b = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
+        follow(&mut manifold, offset, &a, &b);
+        let turned =
+            |d: &Drift| Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())));
+        for (p, &arm) in arms.iter().enumerate() {
+            let on_a = a.translation() + turned(&a) * arm;
+            let on_b = offset + b.translation() + turned(&b) * (arm - offset);
+            let gap = (on_b - on_a).dot(Vec3::Z);
+            assert!((manifold.distances[p] - gap).abs() < 5.0 * small * small, "{gap} {manifold:?}");
+            let middle = 0.5 * (on_a + on_b) - a.translation();
+            assert!((manifold.arms[p] - middle).length() < 5.0 * small * small);
+        }
+        let half = Quat::from_scaled_axis(0.5 * (a.rotation() + b.rotation()));
+        assert!((manifold.normal - half * Vec3::Z).length() < small * small);
+    }
+}
