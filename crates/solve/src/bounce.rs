@@ -16,7 +16,6 @@ use crate::iterate::rub;
 use crate::line::Columns;
 use crate::sweep::{BodyLanes, Rows, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
-use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Rounds over the points of a manifold.
@@ -35,7 +34,7 @@ pub fn bounce(
     if batches.colds.is_empty() {
         return;
     }
-    let rows = Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
+    let rows = Rows::new(columns);
     sweep(batches, &rows, width, &Bounce { threshold, gravity, h });
 }
 

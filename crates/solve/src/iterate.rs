@@ -17,12 +17,11 @@ use crate::line::Columns;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
-use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// One sweep over all contacts.
 pub fn iterate(batches: &mut Batches, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
-    let rows = Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
+    let rows = Rows::new(columns);
     sweep(batches, &rows, width, &Iterate { step: *step });
 }
 

@@ -12,7 +12,6 @@ use crate::reflect::reflect_pair;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{Rows, Visit, sweep};
 use crate::warm::warm;
-use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Lanes, Width};
 use rockfall_math::{Mat3, Vec3};
 use std::time::{Duration, Instant};
@@ -107,8 +106,7 @@ fn simple_step<R: Respond>(
         push(columns, plan.gravity, half, i == 0);
         forget(columns);
         for iteration in 0..ITERATIONS {
-            let rows =
-                Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
+            let rows = Rows::new(columns);
             let visit = Simple { respond, separate: iteration == 0 };
             sweep(batches, &rows, Width::Scalar, &visit);
         }

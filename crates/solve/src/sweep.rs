@@ -2,7 +2,7 @@
 
 use crate::batch::{Batches, Class, Span};
 use crate::block::{Block, Cold, LANES};
-use crate::line::{Drift, Line};
+use crate::line::{Columns, Drift, Line};
 use rayon::prelude::*;
 use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Row, Width};
@@ -14,6 +14,12 @@ const WORTH_SHARING: usize = 12;
 pub(crate) struct Rows<'a> {
     pub(crate) lines: DisjointRows<'a, Line>,
     pub(crate) drifts: DisjointRows<'a, Drift>,
+}
+
+impl<'a> Rows<'a> {
+    pub(crate) fn new(columns: &'a mut Columns<'_>) -> Self {
+        Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) }
+    }
 }
 
 /// What a sweep does to `L::WIDTH` lanes of a block, from lane `k` on.

@@ -7,12 +7,11 @@ use crate::batch::Batches;
 use crate::block::{Block, Cold, load, load3, tangents};
 use crate::line::Columns;
 use crate::sweep::{BodyLanes, Rows, Visit, sweep};
-use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses.
 pub fn warm(batches: &mut Batches, columns: &mut Columns<'_>, width: Width) {
-    let rows = Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) };
+    let rows = Rows::new(columns);
     sweep(batches, &rows, width, &Warm);
 }
 

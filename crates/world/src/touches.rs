@@ -265,8 +265,10 @@ mod tests {
         Touches { runs, chunks }
     }
 
-    /// What each pair finds of itself: cache and manifolds.
-    fn found(touches: &Touches) -> Vec<(u64, Option<(u32, Vec<u32>)>)> {
+    /// A key, and what its pair finds of itself: mark and manifolds.
+    type Found = (u64, Option<(u32, Vec<u32>)>);
+
+    fn found(touches: &Touches) -> Vec<Found> {
         let of = |run: &Run, chunk: &Chunk, i: usize| {
             let before = run.before(i);
             (before != NEW).then(|| {
