@@ -8,9 +8,7 @@ use crate::block::{Block, Cold, LANES};
 use crate::fill::Fill;
 use crate::line::Line;
 use crate::manifold::Chunk;
-use rayon::prelude::*;
 use rockfall_math::DVec3;
-use rockfall_math::lanes::Width;
 use rockfall_math::room::make_room;
 
 /// How two surfaces rub and bounce.
@@ -42,7 +40,7 @@ pub(crate) struct Origin {
 }
 
 /// How many points the blocks of a class have room for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
     One,
     Two,
@@ -91,7 +89,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
         self.blocks.truncate(blocks);
         make_room(&mut self.blocks, blocks);
         self.blocks.resize(blocks, Block::IDLE);
-        self.origins.clear();
+        self.origins.truncate(blocks * LANES);
         make_room(&mut self.origins, blocks * LANES);
         self.origins.resize(blocks * LANES, Origin::default());
     }
@@ -162,65 +160,10 @@ impl Batches {
         &mut self,
         chunks: &[Chunk],
         bodies: Bodies<'_>,
-        width: Width,
         active: impl Fn(usize) -> bool + Sync,
         surface: impl Fn(usize, usize) -> Surface + Sync,
     ) {
-        self.shelve(chunks, &active, &surface);
-        let Batches { one, two, four, colds, spans, .. } = self;
-        let cold_of = colds_by_span(colds, spans);
-        let (mut ones, mut twos, mut fours) = (pieces(one), pieces(two), pieces(four));
-        let jobs: Vec<_> = spans
-            .iter()
-            .zip(cold_of)
-            .map(|(span, cold)| {
-                let blocks = span.to - span.from;
-                let work = match span.class {
-                    Class::One => Work::One(take(&mut ones, blocks)),
-                    Class::Two => Work::Two(take(&mut twos, blocks)),
-                    Class::Four => Work::Four(take(&mut fours, blocks)),
-                };
-                (work, cold)
-            })
-            .collect();
-        let fill = Fill { chunks, bodies, width, surface: &surface };
-        jobs.into_par_iter().for_each(|(work, cold)| match work {
-            Work::One(piece) => fill.span(piece, cold),
-            Work::Two(piece) => fill.span(piece, cold),
-            Work::Four(piece) => fill.span(piece, cold),
-        });
+        let places = self.shelve(chunks, &active, &surface);
+        Fill { chunks, bodies, surface: &surface }.all(self, &places);
     }
-}
-
-/// The cold halves of each span, cut out of the whole.
-fn colds_by_span<'a>(mut colds: &'a mut [Cold], spans: &[Span]) -> Vec<Option<&'a mut [Cold]>> {
-    spans
-        .iter()
-        .map(|span| {
-            span.cold?;
-            let (head, tail) = std::mem::take(&mut colds).split_at_mut(span.to - span.from);
-            colds = tail;
-            Some(head)
-        })
-        .collect()
-}
-
-/// Blocks still to be filled, with their origins.
-pub(crate) type Piece<'a, const P: usize, const T: usize> = (&'a mut [Block<P, T>], &'a [Origin]);
-
-enum Work<'a> {
-    One(Piece<'a, 1, 0>),
-    Two(Piece<'a, 2, 1>),
-    Four(Piece<'a, 4, 1>),
-}
-
-fn pieces<const P: usize, const T: usize>(shelf: &mut Shelf<P, T>) -> Piece<'_, P, T> {
-    (&mut shelf.blocks, &shelf.origins)
-}
-
-fn take<'a, const P: usize, const T: usize>(rest: &mut Piece<'a, P, T>, blocks: usize) -> Piece<'a, P, T> {
-    let (head, tail) = std::mem::take(&mut rest.0).split_at_mut(blocks);
-    let (origins, others) = rest.1.split_at(blocks * LANES);
-    *rest = (tail, others);
-    (head, origins)
 }

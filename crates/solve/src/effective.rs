@@ -3,45 +3,23 @@
 //! d · K e with the report's K = K_a + K_b, for the normal at each point, for the two tangents at the middle of the points,
 //! and for the torque about the normal.
 
-use crate::block::{Block, Column, LANES, load, load3, store, tangents};
-use crate::line::Line;
-use crate::sweep::Symmetric;
-use rockfall_math::lanes::{Kernel, Lanes, Lanes3};
+use crate::block::{Block, load, load3, store, tangents};
+use crate::sweep::BodyLanes;
+use rockfall_math::lanes::{Lanes, Lanes3};
 
-/// Completes blocks whose lanes hold: 1 or 0 for a point in use or not, where the mass along the normal goes; the friction
+/// Completes lanes that hold: 1 or 0 for a point in use or not, where the mass along the normal goes; the friction
 /// impulse in world axes, where the tangents' masses go; and the coefficient of twisting friction, where the limit of
 /// the twist impulse goes.
-pub(crate) struct Effective<'a, const P: usize, const T: usize> {
-    pub(crate) blocks: &'a mut [Block<P, T>],
-    pub(crate) lines: &'a [Line],
-}
-
-impl<const P: usize, const T: usize> Kernel for Effective<'_, P, T> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self, token: L::Token) {
-        for block in self.blocks {
-            for k in (0..LANES).step_by(L::WIDTH) {
-                if block.a[k] == 0 {
-                    break;
-                }
-                complete::<L, P, T>(token, block, self.lines, k);
-            }
-        }
-    }
-}
-
 #[inline(always)]
-fn complete<L: Lanes, const P: usize, const T: usize>(
+pub(crate) fn complete<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     block: &mut Block<P, T>,
-    lines: &[Line],
     k: usize,
+    (a, b): (&BodyLanes<L>, &BodyLanes<L>),
 ) {
     let zero = L::splat(token, 0.0);
-    let (mass_a, inertia_a) = gather(token, lines, &block.a, k);
-    let (mass_b, inertia_b) = gather(token, lines, &block.b, k);
-    let inverse_mass: L = mass_a + mass_b;
+    let (inertia_a, inertia_b) = (&a.inverse_inertia, &b.inverse_inertia);
+    let inverse_mass: L = a.inverse_mass + b.inverse_mass;
     let offset: Lanes3<L> = load3(token, &block.offset, k);
     let n: Lanes3<L> = load3(token, &block.normal, k);
     let (s, t) = tangents(token, n);
@@ -87,18 +65,6 @@ fn complete<L: Lanes, const P: usize, const T: usize>(
         let compliance = n.dot(inertia_a.times(n)) + n.dot(inertia_b.times(n));
         store(invert(token, compliance), &mut block.twist_mass[twist], k);
     }
-}
-
-/// Inverse masses and inertias of a body in each lane.
-#[inline(always)]
-fn gather<L: Lanes>(token: L::Token, lines: &[Line], index: &[u32; LANES], k: usize) -> (L, Symmetric<L>) {
-    let line = |i: usize| &lines[index[k + i] as usize];
-    let mut mass: Column = [0.0; LANES];
-    for (i, lane) in mass[..L::WIDTH].iter_mut().enumerate() {
-        *lane = line(i).inverse_mass();
-    }
-    let [xx, xy, xz, yy, yz, zz, _, _] = L::gather(token, |i| &line(i).inertia);
-    (L::load(token, &mass[..L::WIDTH]), Symmetric([xx, xy, xz, yy, yz, zz]))
 }
 
 /// 1 / x, or 0 where nothing can give way.

@@ -1,43 +1,141 @@
 //! Stage 8, **prepare**, second half: manifolds to lanes.
+//!
+//! Each run of chunks is read once, in order, and its contacts go where [`crate::shelve`] has a place for them; the blocks that are
+//! being filled, one for each bucket, stay in the cache. A block belongs to the run of its first lane. Contacts that
+//! fall into a block of another run come later, block by block.
 
-use crate::batch::{Bodies, Origin, Piece, Surface};
+use crate::batch::{Batches, Bodies, Class, Origin, Shelf, Surface};
 use crate::block::{Block, Cold, LANES, put3};
-use crate::effective::Effective;
 use crate::manifold::{Chunk, row_of};
-use rockfall_math::lanes::Width;
+use crate::shelve::{NOWHERE, Places, RUN, kind_of};
+use rayon::prelude::*;
+use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::{Mat3, Vec3};
 
 /// Fills blocks from manifolds.
 pub(crate) struct Fill<'a, S> {
     pub(crate) chunks: &'a [Chunk],
     pub(crate) bodies: Bodies<'a>,
-    pub(crate) width: Width,
     pub(crate) surface: &'a S,
 }
 
-impl<S: Fn(usize, usize) -> Surface> Fill<'_, S> {
-    pub(crate) fn span<const P: usize, const T: usize>(
-        &self,
-        (blocks, origins): Piece<'_, P, T>,
-        mut colds: Option<&mut [Cold]>,
-    ) {
-        for (i, block) in blocks.iter_mut().enumerate() {
-            *block = Block::IDLE;
-            if let Some(colds) = colds.as_deref_mut() {
-                colds[i] = Cold::IDLE;
-            }
-            for (lane, origin) in origins[i * LANES..(i + 1) * LANES].iter().enumerate() {
-                if origin.in_use {
-                    let cold = colds.as_deref_mut().map(|colds| &mut colds[i]);
-                    self.lane(block, cold, lane, *origin);
-                }
-            }
-        }
-        self.width.run(Effective { blocks, lines: self.bodies.lines });
+/// A contact and its lane.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    class: Class,
+    lane: u32,
+    bucket: u16,
+    chunk: u32,
+    row: u32,
+}
+
+impl Place {
+    fn block(&self) -> usize {
+        self.lane as usize / LANES
+    }
+}
+
+/// The blocks of all classes.
+struct Shelves<'a> {
+    one: Rows<'a, 1, 0>,
+    two: Rows<'a, 2, 1>,
+    four: Rows<'a, 4, 1>,
+    colds: DisjointRows<'a, Cold>,
+    places: &'a Places,
+}
+
+/// The blocks of one class with their origins.
+struct Rows<'a, const P: usize, const T: usize> {
+    blocks: DisjointRows<'a, Block<P, T>>,
+    origins: DisjointRows<'a, Origin>,
+}
+
+impl<'a, const P: usize, const T: usize> Rows<'a, P, T> {
+    fn new(shelf: &'a mut Shelf<P, T>) -> Self {
+        Rows { blocks: DisjointRows::new(&mut shelf.blocks), origins: DisjointRows::new(&mut shelf.origins) }
+    }
+}
+
+impl<S: Fn(usize, usize) -> Surface + Sync> Fill<'_, S> {
+    /// Fills all blocks of `batches`.
+    pub(crate) fn all(&self, batches: &mut Batches, places: &Places) {
+        let Batches { one, two, four, colds, codes, .. } = batches;
+        let colds = DisjointRows::new(colds);
+        let shelves =
+            Shelves { one: Rows::new(one), two: Rows::new(two), four: Rows::new(four), colds, places };
+        let mut late: Vec<Place> = codes
+            .par_iter()
+            .zip(&places.lanes)
+            .enumerate()
+            .flat_map_iter(|(run, (codes, first))| self.run(run * RUN, codes, first, &shelves))
+            .collect();
+        late.par_sort_unstable();
+        late.par_chunk_by(|a, b| a.class == b.class && a.block() == b.block())
+            .for_each(|places| places.iter().for_each(|place| self.put(place, &shelves)));
     }
 
-    /// Copies what the manifold says. Where [`Effective`] computes a column, the lane holds what it needs for that until
-    /// then.
+    /// The contacts of a run that begins at chunk `start`. Returns those that fall into blocks of other runs.
+    fn run(&self, start: usize, codes: &[u16], first: &[u32], shelves: &Shelves<'_>) -> Vec<Place> {
+        let mut late = Vec::new();
+        let mut next = first.to_vec();
+        let chunks = &self.chunks[start..self.chunks.len().min(start + RUN)];
+        let rows = chunks
+            .iter()
+            .zip(start..)
+            .flat_map(|(c, chunk)| (0..c.manifolds.len()).map(move |row| (chunk, row)));
+        for ((chunk, row), &bucket) in rows.zip(codes).filter(|(_, bucket)| **bucket != NOWHERE) {
+            let lane = next[usize::from(bucket)];
+            next[usize::from(bucket)] += 1;
+            let (class, _) = kind_of(usize::from(bucket));
+            let place = Place { class, lane, bucket, chunk: chunk as u32, row: row as u32 };
+            if place.block() * LANES < first[usize::from(bucket)] as usize {
+                late.push(place);
+            } else {
+                self.put(&place, shelves);
+            }
+        }
+        late
+    }
+
+    fn put(&self, place: &Place, shelves: &Shelves<'_>) {
+        match place.class {
+            Class::One => self.write(place, &shelves.one, shelves),
+            Class::Two => self.write(place, &shelves.two, shelves),
+            Class::Four => self.write(place, &shelves.four, shelves),
+        }
+    }
+
+    fn write<const P: usize, const T: usize>(
+        &self,
+        place: &Place,
+        rows: &Rows<'_, P, T>,
+        shelves: &Shelves<'_>,
+    ) {
+        let (block, lane) = (place.block(), place.lane as usize % LANES);
+        let cold = kind_of(usize::from(place.bucket))
+            .1
+            .then(|| block.wrapping_add_signed(shelves.places.colds[usize::from(place.bucket)]));
+        let origin = Origin { chunk: place.chunk, row: place.row, in_use: true };
+        // SAFETY: a block, its cold half and its origins are written by the run of its first lane and by nobody else; then, when
+        // all runs are through, by the one group of late contacts that fall into it.
+        let (to, mut cold) = unsafe { (rows.blocks.row(block), cold.map(|i| shelves.colds.row(i))) };
+        if lane == 0 {
+            *to = Block::IDLE;
+            if let Some(cold) = cold.as_deref_mut() {
+                *cold = Cold::IDLE;
+            }
+            for i in 1..LANES {
+                // SAFETY: as above.
+                unsafe { *rows.origins.row(block * LANES + i) = Origin::default() };
+            }
+        }
+        // SAFETY: as above.
+        unsafe { *rows.origins.row(place.lane as usize) = origin };
+        self.lane(to, cold, lane, origin);
+    }
+
+    /// Copies what the manifold says. Where [`crate::effective`] computes a column, the lane holds what it needs for that
+    /// until then.
     fn lane<const P: usize, const T: usize>(
         &self,
         block: &mut Block<P, T>,

@@ -1,25 +1,24 @@
 //! Stage 8, **prepare**, first half: which contact goes into which lane.
 //!
 //! A counting sort of all manifolds into buckets by side, colour, class and temperature. Each run of chunks counts
-//! for itself; sums over the runs give every run its places, so that all of them write at once and the order within a
+//! for itself; sums over the runs give every run its places, so that all of them can write at once and the order within a
 //! bucket is that of the pairs' keys.
 
-use crate::batch::{Batches, CLASSES, Class, Layer, Origin, Span, Surface};
+use crate::batch::{Batches, CLASSES, Class, Layer, Span, Surface};
 use crate::block::{Cold, LANES};
 use crate::manifold::{Chunk, Manifold, row_of};
 use crate::paint::{COLORS, OVERFLOW};
 use rayon::prelude::*;
-use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::room::make_room;
 
 /// Blocks in a span. Results don't depend on it.
 const SPAN: usize = 8;
 
 /// Chunks that one thread counts at a time.
-const RUN: usize = 32;
+pub(crate) const RUN: usize = 32;
 
 /// Contacts that are left out.
-const NOWHERE: u16 = u16::MAX;
+pub(crate) const NOWHERE: u16 = u16::MAX;
 
 /// Side, colour, class, cold: the order in which contacts are solved.
 fn bucket(side: usize, color: u32, class: Class, cold: bool) -> usize {
@@ -29,18 +28,27 @@ fn bucket(side: usize, color: u32, class: Class, cold: bool) -> usize {
 
 const BUCKETS: usize = 2 * (OVERFLOW as usize + 1) * CLASSES.len() * 2;
 
-fn class_of(bucket: usize) -> Class {
-    CLASSES[bucket / 2 % CLASSES.len()]
+/// The class of a bucket, and whether it is a cold one.
+pub(crate) fn kind_of(bucket: usize) -> (Class, bool) {
+    (CLASSES[bucket / 2 % CLASSES.len()], bucket % 2 == 1)
+}
+
+/// Where contacts go.
+pub(crate) struct Places {
+    /// For each run and bucket, the first lane.
+    pub(crate) lanes: Vec<Vec<u32>>,
+    /// For each bucket that is cold, what to add to a block's number to get that of its cold half.
+    pub(crate) colds: Vec<isize>,
 }
 
 impl Batches {
-    /// Cuts the contacts into blocks and spans, and fills in the origin of every lane.
+    /// Cuts the contacts into blocks and spans.
     pub(crate) fn shelve(
         &mut self,
         chunks: &[Chunk],
         active: &(impl Fn(usize) -> bool + Sync),
         surface: &(impl Fn(usize, usize) -> Surface + Sync),
-    ) {
+    ) -> Places {
         let runs = chunks.len().div_ceil(RUN);
         self.codes.resize_with(runs, Vec::new);
         let mut counts: Vec<Vec<u32>> = self
@@ -68,32 +76,18 @@ impl Batches {
                 counts
             })
             .collect();
-        self.cut(&mut counts);
-
-        let origins = [&mut self.one.origins, &mut self.two.origins, &mut self.four.origins];
-        let shelves = origins.map(|origins| DisjointRows::new(origins));
-        self.codes.par_iter().zip(counts).enumerate().for_each(|(run, (codes, mut next))| {
-            let first = run * RUN;
-            let run = &chunks[first..chunks.len().min(first + RUN)];
-            let places =
-                run.iter().enumerate().flat_map(|(i, c)| (0..c.manifolds.len()).map(move |row| (i, row)));
-            for ((chunk, row), &code) in places.zip(codes).filter(|(_, code)| **code != NOWHERE) {
-                let code = usize::from(code);
-                let lane = next[code] as usize;
-                next[code] += 1;
-                let origin = Origin { chunk: (first + chunk) as u32, row: row as u32, in_use: true };
-                // SAFETY: the sums in `cut` gave each lane to one contact of one run.
-                unsafe { *shelves[class_of(code) as usize].row(lane) = origin };
-            }
-        });
+        let colds = self.cut(&mut counts);
+        Places { lanes: counts, colds }
     }
 
     /// Turns the number of contacts of each run in each bucket into the first lane of that run, and lays out the blocks.
-    fn cut(&mut self, counts: &mut [Vec<u32>]) {
+    /// Returns how far the cold halves of each bucket are from its blocks.
+    fn cut(&mut self, counts: &mut [Vec<u32>]) -> Vec<isize> {
         self.spans.clear();
         self.layers.clear();
         let mut next = [0_usize; CLASSES.len()];
         let mut colds = 0;
+        let mut shifts = vec![0; BUCKETS];
         for side in 0..2 {
             for color in 0..=OVERFLOW {
                 let first = self.spans.len();
@@ -101,6 +95,7 @@ impl Batches {
                 for (class, cold) in CLASSES.into_iter().flat_map(|class| [(class, false), (class, true)]) {
                     let bucket = bucket(side, color, class, cold);
                     let from = next[class as usize];
+                    shifts[bucket] = colds as isize - from as isize;
                     let mut lane = (from * LANES) as u32;
                     for run in counts.iter_mut() {
                         lane += std::mem::replace(&mut run[bucket], lane);
@@ -133,6 +128,7 @@ impl Batches {
         self.colds.truncate(colds);
         make_room(&mut self.colds, colds);
         self.colds.resize(colds, Cold::IDLE);
+        shifts
     }
 }
 

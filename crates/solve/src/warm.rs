@@ -1,10 +1,12 @@
 //! Stage 9, **warm**: the impulses of the last step, applied at once.
 //!
-//! Reads the impulses that [`crate::batch`] took from memory; writes velocities. One sweep per step: the later
+//! Reads the impulses that [`crate::batch`] took from memory; completes the blocks by what needs the bodies' inertia, which this
+//! sweep has at hand; writes velocities. One sweep per step: the later
 //! sub-steps start from the change of velocity that contacts made in the one before (see [`crate::push`]).
 
 use crate::batch::Batches;
 use crate::block::{Block, Cold, load, load3, tangents};
+use crate::effective::complete;
 use crate::line::Columns;
 use crate::sweep::{BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
@@ -30,6 +32,7 @@ impl Visit for Warm {
     ) {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        complete(token, block, k, (&a, &b));
         let normal: Lanes3<L> = load3(token, &block.normal, k);
         let offset = load3(token, &block.offset, k);
         let (s, t) = tangents(token, normal);

@@ -67,7 +67,7 @@ impl World {
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
         let seen = SolverBodies { lines: &bodies.lines, positions: &bodies.positions };
-        batches.prepare(&touches.chunks, seen, *width, active, surface);
+        batches.prepare(&touches.chunks, seen, active, surface);
         clock.lap();
         let plan = plan(settings);
         let mut columns = bodies.solver_columns();
