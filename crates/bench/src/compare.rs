@@ -2,7 +2,7 @@
 
 use crate::child::{Block, Child, Outcome};
 use crate::options::Options;
-use crate::{Error, engine};
+use crate::{Error, engine, scene};
 use serde::Serialize;
 
 /// One engine on one scene: a line of the table.
@@ -10,6 +10,8 @@ use serde::Serialize;
 pub(crate) struct Line {
     pub(crate) scene: &'static str,
     pub(crate) bodies: usize,
+    /// Of a run, the timed ones included.
+    pub(crate) steps: u32,
     pub(crate) threads: usize,
     pub(crate) engine: &'static str,
     pub(crate) version: &'static str,
@@ -36,6 +38,7 @@ pub(crate) struct Line {
     /// Bodies faster than 50 mm/s.
     pub(crate) moving: usize,
     pub(crate) top_drop_mm: Option<f64>,
+    pub(crate) top_drift_mm: Option<f64>,
     /// Peak memory of the engine by the number of bodies.
     pub(crate) bytes_per_body: Option<f64>,
     /// Times of the stages, milliseconds per step, medians.
@@ -58,7 +61,7 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
         let children = options.engines.iter().map(|&kind| Child::start(options, kind));
         let mut children = children.collect::<Result<Vec<_>, _>>()?;
         let mut done = 0;
-        for (number, turn) in options.turns().into_iter().enumerate() {
+        for (number, turn) in options.turns(scene).into_iter().enumerate() {
             let mut order: Vec<usize> = (0..children.len()).collect();
             // Whoever goes first meets colder caches or a busier neighbour: they take turns at that, too.
             order.rotate_left((number + repeat as usize) % children.len().max(1));
@@ -78,10 +81,10 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
         }
     }
     let Some(first) = runs.first() else { return Ok(Vec::new()) };
-    runs.iter().map(|run| line(options, scene.name(), run, first)).collect()
+    runs.iter().map(|run| line(options, scene, run, first)).collect()
 }
 
-fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Result<Line, Error> {
+fn line(options: &Options, scene: scene::Kind, run: &Runs, first: &Runs) -> Result<Line, Error> {
     let outcomes = &run.outcomes;
     let Some(any) = outcomes.first() else {
         return Err(Error::Engine { engine: run.kind.name(), reason: "it has no result".to_owned() });
@@ -95,8 +98,9 @@ fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Res
     let cpu: Option<Vec<f64>> = run.blocks.iter().map(|b| b.cpu).collect();
     let cpu_ratio: Option<Vec<f64>> = pairs().map(|(b, f)| Some(b.cpu? / f.cpu?)).collect();
     Ok(Line {
-        scene,
+        scene: scene.name(),
         bodies: any.bodies,
+        steps: options.turns(scene).iter().map(|turn| turn.steps).sum(),
         threads: options.threads,
         engine: run.kind.name(),
         version: run.kind.version(),
@@ -115,6 +119,7 @@ fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Res
         rms_speed_mm_per_s: of(&|o| 1e3 * o.quality.rms_speed),
         moving: of(&|o| o.quality.moving as f64) as usize,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
+        top_drift_mm: any.quality.top_drift_mm.map(|_| of(&|o| o.quality.top_drift_mm.unwrap_or(0.0))),
         bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
         stages: run.blocks.first().map_or(Vec::new(), |b| {
             b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
@@ -164,7 +169,7 @@ mod tests {
         let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
         let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
         let options = Options::parse_from(["rockfall-bench"]);
-        let line = line(&options, "box-pile", &peer, &ours).expect("a line");
+        let line = line(&options, scene::Kind::BoxPile, &peer, &ours).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
         assert_eq!((line.ms_per_step, line.best_ms_per_step), (22.5, 15.0));
         assert_eq!(line.bytes_per_body, Some(500.0));

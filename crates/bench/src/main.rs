@@ -9,6 +9,7 @@
 mod child;
 mod compare;
 mod engine;
+mod motion;
 mod options;
 mod process;
 mod quality;
@@ -35,6 +36,10 @@ enum Error {
     World(#[from] rockfall::Error),
     #[error("{0}")]
     Hull(#[from] rockfall::shape::HullError),
+    #[error("{0}")]
+    HeightField(#[from] rockfall::shape::HeightFieldError),
+    #[error("{0}")]
+    Mesh(#[from] rockfall::shape::MeshError),
     #[error("{0}")]
     Io(#[from] std::io::Error),
     #[error("{0}")]
@@ -68,7 +73,7 @@ fn run(options: &Options) -> Result<(), Error> {
     for &scene in &options.scene {
         lines.extend(compare::compare(&options.with_scene(scene), |progress| eprintln!("{progress}"))?);
     }
-    println!("{}, {} runs of {} steps\n", process::machine(), options.repeats, options.steps);
+    println!("{}, medians of {} runs\n", process::machine(), options.repeats);
     println!("{}\n{}", table::markdown(&lines), table::stages(&lines));
     match &options.out {
         Some(folder) => table::write(folder, options, &lines),

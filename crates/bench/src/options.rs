@@ -12,13 +12,13 @@ pub(crate) struct Options {
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["box-pile", "ball-pit"])]
     pub(crate) scene: Vec<scene::Kind>,
 
-    /// Dynamic bodies.
-    #[arg(long, default_value_t = 10_000, value_parser = parse_bodies)]
-    pub(crate) bodies: usize,
+    /// Dynamic bodies; as many as are usual for each scene where nothing is said.
+    #[arg(long, value_parser = parse_bodies)]
+    pub(crate) bodies: Option<usize>,
 
-    /// Steps of 1/60 s, the timed ones included.
-    #[arg(long, default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub(crate) steps: u32,
+    /// Steps of 1/60 s, the timed ones included; as many as are usual for each scene where nothing is said.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) steps: Option<u32>,
 
     /// Steps at the end that are timed.
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -77,6 +77,11 @@ impl Options {
         }
     }
 
+    /// Dynamic bodies to ask a scene for.
+    pub(crate) fn bodies_of(&self, scene: scene::Kind) -> usize {
+        self.bodies.unwrap_or(scene.usual().0)
+    }
+
     /// These options for one scene.
     pub(crate) fn with_scene(&self, scene: scene::Kind) -> Options {
         Options { scene: vec![scene], ..self.clone() }
@@ -86,20 +91,21 @@ impl Options {
     pub(crate) fn of_child(&self, kind: engine::Kind) -> Vec<String> {
         let mut arguments = vec![format!("--child={}", kind.name())];
         arguments.extend(self.scene.iter().map(|scene| format!("--scene={}", scene.name())));
-        arguments.push(format!("--bodies={}", self.bodies));
+        arguments.extend(self.bodies.map(|bodies| format!("--bodies={bodies}")));
         arguments.push(format!("--threads={}", self.threads));
         arguments.push(format!("--seed={}", self.seed));
         arguments
     }
 
-    /// The turns of a run: so many steps each, the last of them timed.
-    pub(crate) fn turns(&self) -> Vec<Turn> {
-        let timed = self.timed.min(self.steps);
+    /// The turns of a run of a scene: so many steps each, the last of them timed.
+    pub(crate) fn turns(&self, scene: scene::Kind) -> Vec<Turn> {
+        let all = self.steps.unwrap_or(scene.usual().1);
+        let timed = self.timed.min(all);
         let cut = |steps: u32, timed: bool| {
             let whole = std::iter::repeat_n(self.turn, (steps / self.turn) as usize);
             whole.chain([steps % self.turn]).filter(|&n| n > 0).map(move |steps| Turn { steps, timed })
         };
-        cut(self.steps - timed, false).chain(cut(timed, true)).collect()
+        cut(all - timed, false).chain(cut(timed, true)).collect()
     }
 }
 
@@ -122,8 +128,8 @@ mod tests {
     #[test]
     fn turns_add_up_to_the_steps_and_the_timed_ones_are_last() {
         for (steps, timed, turn) in [(600, 60, 10), (67, 60, 25), (5, 60, 10), (1, 1, 1)] {
-            let options = Options { steps, timed, turn, ..parse(&[]).expect("defaults") };
-            let turns = options.turns();
+            let options = Options { steps: Some(steps), timed, turn, ..parse(&[]).expect("defaults") };
+            let turns = options.turns(scene::Kind::BoxPile);
             assert_eq!(turns.iter().map(|t| t.steps).sum::<u32>(), steps);
             let of_timed = |turns: &[Turn]| turns.iter().filter(|t| t.timed).map(|t| t.steps).sum::<u32>();
             assert_eq!(of_timed(&turns), timed.min(steps));
@@ -137,8 +143,18 @@ mod tests {
         let arguments = parent.of_child(engine::Kind::Rapier);
         let child = parse(&arguments.iter().map(String::as_str).collect::<Vec<_>>()).expect("options");
         assert_eq!(child.child, Some(engine::Kind::Rapier));
-        assert_eq!((child.bodies, child.threads, child.seed), (55, 3, 9));
+        assert_eq!((child.bodies, child.threads, child.seed), (Some(55), 3, 9));
         assert!(matches!(child.only_scene(), Ok(scene::Kind::Pyramid)));
+    }
+
+    #[test]
+    fn scenes_have_their_own_bodies_and_steps_unless_told() {
+        let steps = |options: &Options, scene| options.turns(scene).iter().map(|t| t.steps).sum::<u32>();
+        let silent = parse(&[]).expect("options");
+        let washer = scene::Kind::Box3dWasher;
+        assert_eq!((silent.bodies_of(washer), steps(&silent, washer)), (8000, 1000));
+        let told = parse(&["--bodies=50", "--steps=70"]).expect("options");
+        assert_eq!((told.bodies_of(washer), steps(&told, washer)), (50, 70));
     }
 
     #[test]
@@ -146,7 +162,7 @@ mod tests {
         for bad in ["--bodies=0", "--bodies=-1", "--threads=0", "--steps=0", "--repeats=0", "--turn=0"] {
             assert!(parse(&[bad]).is_err(), "{bad}");
         }
-        assert_eq!(parse(&["--bodies=10_000"]).expect("options").bodies, 10_000);
+        assert_eq!(parse(&["--bodies=10_000"]).expect("options").bodies, Some(10_000));
         assert!(parse(&["--bodies=10000001"]).expect_err("too many").contains("from 1 to 10000000"));
     }
 }

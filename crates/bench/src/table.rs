@@ -8,9 +8,9 @@ use std::fs;
 use std::path::Path;
 
 const HEAD: &str = "\
-| scene | bodies | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
-penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk, mm | KB per body |
-|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
+| scene | bodies | steps | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
+penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk / gone sideways, mm | KB per body |
+|---|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
 /// The table, as the program prints it.
@@ -21,6 +21,7 @@ pub(crate) fn markdown(lines: &[Line]) -> String {
         let row = [
             l.scene.to_owned(),
             l.bodies.to_string(),
+            l.steps.to_string(),
             l.threads.to_string(),
             format!("{} {}", l.engine, l.version),
             format!("{:.1}", l.ms_per_step),
@@ -35,7 +36,9 @@ pub(crate) fn markdown(lines: &[Line]) -> String {
             l.escaped.to_string(),
             format!("{:.1}", l.rms_speed_mm_per_s),
             l.moving.to_string(),
-            or_dash(l.top_drop_mm, 0),
+            l.top_drop_mm
+                .zip(l.top_drift_mm)
+                .map_or("–".to_owned(), |(drop, drift)| format!("{drop:.0} / {drift:.0}")),
             or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
         ];
         text += &format!("| {} |\n", row.join(" | "));
@@ -66,7 +69,6 @@ pub(crate) fn write(folder: &Path, options: &Options, lines: &[Line]) -> Result<
     fs::write(folder.join("bench.csv"), csv(lines)?)?;
     let json = serde_json::json!({
         "machine": process::machine(),
-        "steps": options.steps,
         "timed": options.timed,
         "turn": options.turn,
         "repeats": options.repeats,
@@ -104,6 +106,7 @@ mod tests {
         Line {
             scene: "pyramid",
             bodies: 55,
+            steps: 600,
             threads: 2,
             engine,
             version: "1.2.3",
@@ -122,6 +125,7 @@ mod tests {
             rms_speed_mm_per_s: 3.25,
             moving: 4,
             top_drop_mm: Some(740.4),
+            top_drift_mm: Some(12.0),
             bytes_per_body: Some(2456.0),
             stages: vec![("touch".to_owned(), 3.0), ("link".to_owned(), 0.0)],
         }
@@ -131,10 +135,10 @@ mod tests {
     fn every_row_of_the_table_has_every_column() {
         let text = markdown(&[sample("a"), sample("b")]);
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
-        assert_eq!(columns, [16; 4]);
-        assert!(
-            text.contains("| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 | 2.46 |")
-        );
+        assert_eq!(columns, [17; 4]);
+        assert!(text.contains(
+            "| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 / 12 | 2.46 |"
+        ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
     }
 
