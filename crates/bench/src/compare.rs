@@ -17,6 +17,8 @@ pub(crate) struct Line {
     pub(crate) version: &'static str,
     /// Median over all timed turns of all runs.
     pub(crate) ms_per_step: f64,
+    /// Mean over all steps of a run, from the first fall to the end; the median over all runs.
+    pub(crate) all_ms_per_step: f64,
     /// Of the fastest timed turn.
     pub(crate) best_ms_per_step: f64,
     /// Time as a multiple of the first engine's: the median over turns that were next to each other.
@@ -48,18 +50,22 @@ pub(crate) struct Line {
 /// All that one engine gave in all runs.
 struct Runs {
     kind: engine::Kind,
+    /// Timed turns.
     blocks: Vec<Block>,
+    /// Mean time of all steps of each run, milliseconds.
+    all: Vec<f64>,
     outcomes: Vec<Outcome>,
 }
 
 /// One scene in all engines. `say` hears how far it is.
 pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
     let scene = options.only_scene()?;
-    let mut runs: Vec<Runs> =
-        options.engines.iter().map(|&kind| Runs { kind, blocks: Vec::new(), outcomes: Vec::new() }).collect();
+    let none = |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), outcomes: Vec::new() };
+    let mut runs: Vec<Runs> = options.engines.iter().map(none).collect();
     for repeat in 1..=options.repeats {
         let children = options.engines.iter().map(|&kind| Child::start(options, kind));
         let mut children = children.collect::<Result<Vec<_>, _>>()?;
+        let mut sums = vec![0.0; children.len()];
         let mut done = 0;
         for (number, turn) in options.turns(scene).into_iter().enumerate() {
             let mut order: Vec<usize> = (0..children.len()).collect();
@@ -69,6 +75,7 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
             for i in order {
                 let block = children[i].step(turn.steps)?;
                 last += &format!("  {} {:.1} ms", runs[i].kind.name(), block.wall);
+                sums[i] += f64::from(turn.steps) * block.wall;
                 if turn.timed {
                     runs[i].blocks.push(block);
                 }
@@ -76,7 +83,8 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
             done += turn.steps;
             say(&format!("{} run {repeat}/{} step {done}{last}", scene.name(), options.repeats));
         }
-        for (run, child) in runs.iter_mut().zip(children) {
+        for ((run, child), sum) in runs.iter_mut().zip(children).zip(sums) {
+            run.all.push(sum / f64::from(done));
             run.outcomes.push(child.finish()?);
         }
     }
@@ -105,6 +113,7 @@ fn line(options: &Options, scene: scene::Kind, run: &Runs, first: &Runs) -> Resu
         engine: run.kind.name(),
         version: run.kind.version(),
         ms_per_step: median(walls()),
+        all_ms_per_step: median(run.all.iter().copied()),
         best_ms_per_step: walls().fold(f64::INFINITY, f64::min),
         times_first: median(pairs().map(|(b, f)| b.wall / f.wall)),
         cpu_ms_per_step: cpu.map(median),
@@ -158,6 +167,7 @@ mod tests {
                 .iter()
                 .map(|&wall| Block { wall, cpu: Some(2.0 * wall), stages: Vec::new() })
                 .collect(),
+            all: vec![2.0, 5.0, 100.0],
             outcomes: vec![Outcome {
                 bodies: 10,
                 mass: 1.0,
@@ -171,7 +181,7 @@ mod tests {
         let options = Options::parse_from(["rockfall-bench"]);
         let line = line(&options, scene::Kind::BoxPile, &peer, &ours).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
-        assert_eq!((line.ms_per_step, line.best_ms_per_step), (22.5, 15.0));
+        assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
         assert_eq!(line.bytes_per_body, Some(500.0));
     }
 }

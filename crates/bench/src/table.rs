@@ -8,9 +8,9 @@ use std::fs;
 use std::path::Path;
 
 const HEAD: &str = "\
-| scene | bodies | steps | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
-penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk / gone sideways, mm | KB per body |
-|---|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
+| scene | bodies | steps | threads | engine | ms per step | times the first | over all steps | CPU ms per step | times the first | \
+penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | kinetic energy, J | moving | top sunk / gone sideways, mm | KB per body |
+|---|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
 /// The table, as the program prints it.
@@ -26,6 +26,7 @@ pub(crate) fn markdown(lines: &[Line]) -> String {
             format!("{} {}", l.engine, l.version),
             format!("{:.1}", l.ms_per_step),
             format!("{:.2}", l.times_first),
+            format!("{:.1}", l.all_ms_per_step),
             or_dash(l.cpu_ms_per_step, 1),
             or_dash(l.cpu_times_first, 2),
             format!(
@@ -35,6 +36,7 @@ pub(crate) fn markdown(lines: &[Line]) -> String {
             l.overlapping_pairs.to_string(),
             l.escaped.to_string(),
             format!("{:.1}", l.rms_speed_mm_per_s),
+            format!("{:.3e}", l.kinetic_joule),
             l.moving.to_string(),
             l.top_drop_mm
                 .zip(l.top_drift_mm)
@@ -111,6 +113,7 @@ mod tests {
             engine,
             version: "1.2.3",
             ms_per_step: 12.34,
+            all_ms_per_step: 10.06,
             best_ms_per_step: 11.0,
             times_first: 1.5,
             cpu_ms_per_step: Some(20.0),
@@ -135,9 +138,9 @@ mod tests {
     fn every_row_of_the_table_has_every_column() {
         let text = markdown(&[sample("a"), sample("b")]);
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
-        assert_eq!(columns, [17; 4]);
+        assert_eq!(columns, [19; 4]);
         assert!(text.contains(
-            "| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 / 12 | 2.46 |"
+            "| 12.3 | 1.50 | 10.1 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
         ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
     }
