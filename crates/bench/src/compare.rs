@@ -14,7 +14,7 @@ pub(crate) struct Line {
     pub(crate) steps: u32,
     pub(crate) threads: usize,
     pub(crate) engine: &'static str,
-    pub(crate) version: &'static str,
+    pub(crate) version: String,
     /// Median over all timed turns of all runs.
     pub(crate) ms_per_step: f64,
     /// Mean over all steps of a run, from the first fall to the end; the median over all runs.

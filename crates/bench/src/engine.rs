@@ -1,5 +1,8 @@
 //! The engines, behind one face.
 
+#[cfg(feature = "box3d")]
+#[allow(unsafe_code)]
+mod box3d;
 #[cfg(feature = "peers")]
 mod rapier;
 mod rockfall;
@@ -35,6 +38,8 @@ pub(crate) enum Kind {
     Rockfall,
     /// `rapier3d`; only with the feature `peers`.
     Rapier,
+    /// Box3D; only with the feature `box3d`, which is among the `peers`.
+    Box3d,
 }
 
 impl Kind {
@@ -43,22 +48,38 @@ impl Kind {
         match self {
             Kind::Rockfall => "rockfall",
             Kind::Rapier => "rapier",
+            Kind::Box3d => "box3d",
         }
+    }
+
+    /// What to tell who asks for it where it is not built.
+    pub(crate) fn missing(self) -> Error {
+        let feature = match self {
+            Kind::Rockfall | Kind::Rapier => "peers",
+            Kind::Box3d => "box3d",
+        };
+        Error::NotBuilt { engine: self.name(), feature }
     }
 
     /// Whether this build has it.
     pub(crate) fn is_built(self) -> bool {
-        self == Kind::Rockfall || cfg!(feature = "peers")
+        match self {
+            Kind::Rockfall => true,
+            Kind::Rapier => cfg!(feature = "peers"),
+            Kind::Box3d => cfg!(feature = "box3d"),
+        }
     }
 
     /// Of the engine in this build.
-    pub(crate) fn version(self) -> &'static str {
+    pub(crate) fn version(self) -> String {
         match self {
-            Kind::Rockfall => env!("CARGO_PKG_VERSION"),
+            Kind::Rockfall => env!("CARGO_PKG_VERSION").to_owned(),
             #[cfg(feature = "peers")]
-            Kind::Rapier => rapier3d::VERSION,
-            #[cfg(not(feature = "peers"))]
-            Kind::Rapier => "not built",
+            Kind::Rapier => rapier3d::VERSION.to_owned(),
+            #[cfg(feature = "box3d")]
+            Kind::Box3d => box3d::version(),
+            #[allow(unreachable_patterns)]
+            _ => "not built".to_owned(),
         }
     }
 
@@ -68,8 +89,10 @@ impl Kind {
             Kind::Rockfall => Ok(Box::new(rockfall::Rockfall::new(scene, threads)?)),
             #[cfg(feature = "peers")]
             Kind::Rapier => Ok(Box::new(rapier::Rapier::new(scene, threads)?)),
-            #[cfg(not(feature = "peers"))]
-            Kind::Rapier => Err(Error::NotBuilt(self.name())),
+            #[cfg(feature = "box3d")]
+            Kind::Box3d => Ok(Box::new(box3d::Box3d::new(scene, threads)?)),
+            #[allow(unreachable_patterns)]
+            _ => Err(self.missing()),
         }
     }
 }
@@ -88,7 +111,7 @@ mod tests {
     }
 
     fn built() -> impl Iterator<Item = Kind> {
-        [Kind::Rockfall, Kind::Rapier].into_iter().filter(|kind| kind.is_built())
+        Kind::value_variants().iter().copied().filter(|kind| kind.is_built())
     }
 
     #[test]

@@ -111,7 +111,7 @@ mod tests {
             steps: 600,
             threads: 2,
             engine,
-            version: "1.2.3",
+            version: "1.2.3".to_owned(),
             ms_per_step: 12.34,
             all_ms_per_step: 10.06,
             best_ms_per_step: 11.0,
