@@ -3,7 +3,7 @@
 //! Engines live in processes of their own, so that each one's memory can be told apart, and neither finds the
 //! other's threads or heap in its way.
 
-use crate::options::Options;
+use crate::options::{Case, Options};
 use crate::quality::{self, Quality};
 use crate::scene::Scene;
 use crate::{Error, engine, process};
@@ -64,10 +64,10 @@ pub(crate) fn serve(
     input: impl BufRead,
     mut output: impl Write,
 ) -> Result<(), Error> {
-    let scene = options.only_scene()?;
-    let scene = scene.build(options.bodies_of(scene), options.seed)?;
+    let case = options.only_case()?;
+    let scene = case.scene.build(case.bodies, options.seed)?;
     let empty = process::peak_memory();
-    let engine = kind.build(&scene, options.threads)?;
+    let engine = kind.build(&scene, case.threads)?;
     let mut run = Run { scene: &scene, engine, steps: 0 };
     send(&mut output, &Reply::Ready)?;
     for line in input.lines() {
@@ -146,10 +146,10 @@ pub(crate) struct Child {
 
 impl Child {
     /// Starts this program again with one engine and one scene.
-    pub(crate) fn start(options: &Options, kind: engine::Kind) -> Result<Self, Error> {
+    pub(crate) fn start(options: &Options, kind: engine::Kind, case: Case) -> Result<Self, Error> {
         let name = kind.name();
         let mut process = Command::new(std::env::current_exe()?)
-            .args(options.of_child(kind))
+            .args(options.of_child(kind, case))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;

@@ -1,8 +1,8 @@
 //! Runs engines turn by turn, and takes medians.
 
 use crate::child::{Block, Child, Outcome};
-use crate::options::Options;
-use crate::{Error, engine, scene};
+use crate::options::{Case, Options};
+use crate::{Error, engine};
 use serde::Serialize;
 
 /// One engine on one scene: a line of the table.
@@ -58,12 +58,12 @@ struct Runs {
 }
 
 /// One scene in all engines. `say` hears how far it is.
-pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
-    let scene = options.only_scene()?;
+pub(crate) fn compare(options: &Options, case: Case, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
+    let Case { scene, bodies, threads } = case;
     let none = |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), outcomes: Vec::new() };
     let mut runs: Vec<Runs> = options.engines.iter().map(none).collect();
     for repeat in 1..=options.repeats {
-        let children = options.engines.iter().map(|&kind| Child::start(options, kind));
+        let children = options.engines.iter().map(|&kind| Child::start(options, kind, case));
         let mut children = children.collect::<Result<Vec<_>, _>>()?;
         let mut sums = vec![0.0; children.len()];
         let mut done = 0;
@@ -81,7 +81,8 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
                 }
             }
             done += turn.steps;
-            say(&format!("{} run {repeat}/{} step {done}{last}", scene.name(), options.repeats));
+            let of = format!("{}, {bodies} bodies, {threads} threads", scene.name());
+            say(&format!("{of}: run {repeat}/{} step {done}{last}", options.repeats));
         }
         for ((run, child), sum) in runs.iter_mut().zip(children).zip(sums) {
             run.all.push(sum / f64::from(done));
@@ -89,10 +90,10 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
         }
     }
     let Some(first) = runs.first() else { return Ok(Vec::new()) };
-    runs.iter().map(|run| line(options, scene, run, first)).collect()
+    runs.iter().map(|run| line(options, case, run, first)).collect()
 }
 
-fn line(options: &Options, scene: scene::Kind, run: &Runs, first: &Runs) -> Result<Line, Error> {
+fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line, Error> {
     let outcomes = &run.outcomes;
     let Some(any) = outcomes.first() else {
         return Err(Error::Engine { engine: run.kind.name(), reason: "it has no result".to_owned() });
@@ -106,10 +107,10 @@ fn line(options: &Options, scene: scene::Kind, run: &Runs, first: &Runs) -> Resu
     let cpu: Option<Vec<f64>> = run.blocks.iter().map(|b| b.cpu).collect();
     let cpu_ratio: Option<Vec<f64>> = pairs().map(|(b, f)| Some(b.cpu? / f.cpu?)).collect();
     Ok(Line {
-        scene: scene.name(),
+        scene: case.scene.name(),
         bodies: any.bodies,
-        steps: options.turns(scene).iter().map(|turn| turn.steps).sum(),
-        threads: options.threads,
+        steps: options.turns(case.scene).iter().map(|turn| turn.steps).sum(),
+        threads: case.threads,
         engine: run.kind.name(),
         version: run.kind.version(),
         ms_per_step: median(walls()),
@@ -179,7 +180,7 @@ mod tests {
         let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
         let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
         let options = Options::parse_from(["rockfall-bench"]);
-        let line = line(&options, scene::Kind::BoxPile, &peer, &ours).expect("a line");
+        let line = line(&options, options.cases()[0], &peer, &ours).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
         assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
         assert_eq!(line.bytes_per_body, Some(500.0));

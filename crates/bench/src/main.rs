@@ -12,6 +12,8 @@ mod compare;
 mod engine;
 mod motion;
 mod options;
+mod page;
+mod plot;
 mod process;
 mod quality;
 mod scene;
@@ -31,8 +33,8 @@ enum Error {
     NotBuilt { engine: &'static str, feature: &'static str },
     #[error("{engine}: {reason}")]
     Engine { engine: &'static str, reason: String },
-    #[error("expected one scene, not {0}")]
-    Scenes(usize),
+    #[error("expected one scene with one number of bodies and threads, not {0}")]
+    Cases(usize),
     #[error("rockfall: {0}")]
     World(#[from] rockfall::Error),
     #[error("{0}")]
@@ -71,13 +73,18 @@ fn run(options: &Options) -> Result<(), Error> {
         return Err(missing.missing());
     }
     let mut lines = Vec::new();
-    for &scene in &options.scene {
-        lines.extend(compare::compare(&options.with_scene(scene), |progress| eprintln!("{progress}"))?);
-    }
+    let mut measure = || -> Result<(), Error> {
+        for case in options.cases() {
+            lines.extend(compare::compare(options, case, |progress| eprintln!("{progress}"))?);
+        }
+        Ok(())
+    };
+    // What is there when something fails took hours, perhaps: it is shown and written all the same.
+    let measured = measure();
     println!("{}, medians of {} runs\n", process::machine(), options.repeats);
     println!("{}\n{}", table::markdown(&lines), table::stages(&lines));
-    match &options.out {
-        Some(folder) => table::write(folder, options, &lines),
-        None => Ok(()),
+    if let Some(folder) = &options.out {
+        table::write(folder, options, &lines)?;
     }
+    measured
 }

@@ -1,50 +1,66 @@
-//! The result as Markdown, CSV and JSON.
+//! The result as Markdown, CSV and JSON; as a page, see `page`.
 
 use crate::compare::Line;
 use crate::options::Options;
-use crate::{Error, process};
+use crate::{Error, page, process};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-const HEAD: &str = "\
-| scene | bodies | steps | threads | engine | ms per step | times the first | over all steps | CPU ms per step | times the first | \
-penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | kinetic energy, J | moving | top sunk / gone sideways, mm | KB per body |
-|---|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
-";
+/// Names of the columns, and whether they are of numbers.
+pub(crate) const COLUMNS: [(&str, bool); 18] = [
+    ("scene", false),
+    ("bodies", true),
+    ("steps", true),
+    ("threads", true),
+    ("engine", false),
+    ("ms per step", true),
+    ("times the first", true),
+    ("over all steps", true),
+    ("CPU ms per step", true),
+    ("times the first", true),
+    ("penetration mean / p99 / max, mm", true),
+    ("overlapping pairs", true),
+    ("escaped", true),
+    ("motion left, mm/s", true),
+    ("kinetic energy, J", true),
+    ("moving", true),
+    ("top sunk / gone sideways, mm", true),
+    ("KB per body", true),
+];
+
+/// A row of the table, as people read it.
+pub(crate) fn row(l: &Line) -> [String; COLUMNS.len()] {
+    let or_dash = |x: Option<f64>, digits: usize| x.map_or("–".to_owned(), |x| format!("{x:.digits$}"));
+    let both = |(drop, drift): (f64, f64)| format!("{drop:.0} / {drift:.0}");
+    [
+        l.scene.to_owned(),
+        l.bodies.to_string(),
+        l.steps.to_string(),
+        l.threads.to_string(),
+        format!("{} {}", l.engine, l.version),
+        format!("{:.1}", l.ms_per_step),
+        format!("{:.2}", l.times_first),
+        format!("{:.1}", l.all_ms_per_step),
+        or_dash(l.cpu_ms_per_step, 1),
+        or_dash(l.cpu_times_first, 2),
+        format!("{:.2} / {:.1} / {:.1}", l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm),
+        l.overlapping_pairs.to_string(),
+        l.escaped.to_string(),
+        format!("{:.1}", l.rms_speed_mm_per_s),
+        format!("{:.3e}", l.kinetic_joule),
+        l.moving.to_string(),
+        l.top_drop_mm.zip(l.top_drift_mm).map_or("–".to_owned(), both),
+        or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
+    ]
+}
 
 /// The table, as the program prints it.
 pub(crate) fn markdown(lines: &[Line]) -> String {
-    let or_dash = |x: Option<f64>, digits: usize| x.map_or("–".to_owned(), |x| format!("{x:.digits$}"));
-    let mut text = HEAD.to_owned();
-    for l in lines {
-        let row = [
-            l.scene.to_owned(),
-            l.bodies.to_string(),
-            l.steps.to_string(),
-            l.threads.to_string(),
-            format!("{} {}", l.engine, l.version),
-            format!("{:.1}", l.ms_per_step),
-            format!("{:.2}", l.times_first),
-            format!("{:.1}", l.all_ms_per_step),
-            or_dash(l.cpu_ms_per_step, 1),
-            or_dash(l.cpu_times_first, 2),
-            format!(
-                "{:.2} / {:.1} / {:.1}",
-                l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm
-            ),
-            l.overlapping_pairs.to_string(),
-            l.escaped.to_string(),
-            format!("{:.1}", l.rms_speed_mm_per_s),
-            format!("{:.3e}", l.kinetic_joule),
-            l.moving.to_string(),
-            l.top_drop_mm
-                .zip(l.top_drift_mm)
-                .map_or("–".to_owned(), |(drop, drift)| format!("{drop:.0} / {drift:.0}")),
-            or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
-        ];
-        text += &format!("| {} |\n", row.join(" | "));
-    }
+    let names = COLUMNS.map(|(name, _)| name.to_owned());
+    let sides = COLUMNS.map(|(_, right)| if right { "--:" } else { "---" });
+    let mut text = format!("| {} |\n|{}|\n", names.join(" | "), sides.join("|"));
+    text.extend(lines.iter().map(|line| format!("| {} |\n", row(line).join(" | "))));
     text
 }
 
@@ -69,6 +85,7 @@ pub(crate) fn write(folder: &Path, options: &Options, lines: &[Line]) -> Result<
     fs::create_dir_all(folder)?;
     fs::write(folder.join("bench.md"), markdown(lines) + "\n" + &stages(lines))?;
     fs::write(folder.join("bench.csv"), csv(lines)?)?;
+    fs::write(folder.join("bench.html"), page::html(lines, options.repeats))?;
     let json = serde_json::json!({
         "machine": process::machine(),
         "timed": options.timed,
@@ -101,10 +118,10 @@ fn csv(lines: &[Line]) -> Result<Vec<u8>, Error> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn sample(engine: &'static str) -> Line {
+    pub(crate) fn sample(engine: &'static str) -> Line {
         Line {
             scene: "pyramid",
             bodies: 55,
