@@ -82,7 +82,7 @@ pub(crate) fn serve(
                 let mass = run.engine.mass();
                 let before = run.engine.poses();
                 run.drive()?;
-                run.engine.step();
+                run.engine.step()?;
                 let quality = quality::measure(&scene, run.steps, &before, &run.engine.poses());
                 let outcome = Outcome { bodies: scene.bodies.len(), mass, memory, quality };
                 return send(&mut output, &Reply::Finished(outcome));
@@ -116,7 +116,7 @@ impl Run<'_> {
         for _ in 0..steps {
             let start = Instant::now();
             self.drive()?;
-            self.engine.step();
+            self.engine.step()?;
             wall += share * 1e3 * start.elapsed().as_secs_f64();
             for (i, (name, time)) in self.engine.stages().into_iter().enumerate() {
                 if i == stages.len() {

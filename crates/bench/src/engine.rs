@@ -3,6 +3,12 @@
 #[cfg(feature = "box3d")]
 #[allow(unsafe_code)]
 mod box3d;
+#[cfg(feature = "jolt")]
+#[allow(unsafe_code)]
+mod jolt;
+#[cfg(feature = "physx")]
+#[allow(unsafe_code)]
+mod physx;
 #[cfg(feature = "peers")]
 mod rapier;
 mod rockfall;
@@ -10,14 +16,16 @@ mod rockfall;
 use crate::Error;
 use crate::scene::Scene;
 use ::rockfall::math::Pose;
+#[cfg(feature = "physx")]
+use physx_sys::PxSolverType;
 
 /// An engine that holds a scene.
 pub(crate) trait Engine {
     /// Tells the driven bodies, in the order of [`Scene::driven`], where they are after the next step.
     fn drive(&mut self, targets: &[Pose]) -> Result<(), Error>;
 
-    /// One frame.
-    fn step(&mut self);
+    /// One frame. An error where the engine tells that it left out contacts or failed.
+    fn step(&mut self) -> Result<(), Error>;
 
     /// Pose of each dynamic body's shape frame, in the order of [`Scene::bodies`].
     fn poses(&self) -> Vec<Pose>;
@@ -40,6 +48,12 @@ pub(crate) enum Kind {
     Rapier,
     /// Box3D; only with the feature `box3d`, which is among the `peers`.
     Box3d,
+    /// Jolt; only with the feature `jolt`.
+    Jolt,
+    /// PhysX with projected Gauss-Seidel, its default; only with the feature `physx`.
+    PhysxPgs,
+    /// PhysX with temporal Gauss-Seidel; only with the feature `physx`.
+    PhysxTgs,
 }
 
 impl Kind {
@@ -49,6 +63,9 @@ impl Kind {
             Kind::Rockfall => "rockfall",
             Kind::Rapier => "rapier",
             Kind::Box3d => "box3d",
+            Kind::Jolt => "jolt",
+            Kind::PhysxPgs => "physx-pgs",
+            Kind::PhysxTgs => "physx-tgs",
         }
     }
 
@@ -57,6 +74,8 @@ impl Kind {
         let feature = match self {
             Kind::Rockfall | Kind::Rapier => "peers",
             Kind::Box3d => "box3d",
+            Kind::Jolt => "jolt",
+            Kind::PhysxPgs | Kind::PhysxTgs => "physx",
         };
         Error::NotBuilt { engine: self.name(), feature }
     }
@@ -67,6 +86,8 @@ impl Kind {
             Kind::Rockfall => true,
             Kind::Rapier => cfg!(feature = "peers"),
             Kind::Box3d => cfg!(feature = "box3d"),
+            Kind::Jolt => cfg!(feature = "jolt"),
+            Kind::PhysxPgs | Kind::PhysxTgs => cfg!(feature = "physx"),
         }
     }
 
@@ -78,6 +99,10 @@ impl Kind {
             Kind::Rapier => rapier3d::VERSION.to_owned(),
             #[cfg(feature = "box3d")]
             Kind::Box3d => box3d::version(),
+            #[cfg(feature = "jolt")]
+            Kind::Jolt => jolt::VERSION.to_owned(),
+            #[cfg(feature = "physx")]
+            Kind::PhysxPgs | Kind::PhysxTgs => physx::VERSION.to_owned(),
             #[allow(unreachable_patterns)]
             _ => "not built".to_owned(),
         }
@@ -91,6 +116,12 @@ impl Kind {
             Kind::Rapier => Ok(Box::new(rapier::Rapier::new(scene, threads)?)),
             #[cfg(feature = "box3d")]
             Kind::Box3d => Ok(Box::new(box3d::Box3d::new(scene, threads)?)),
+            #[cfg(feature = "jolt")]
+            Kind::Jolt => Ok(Box::new(jolt::Jolt::new(scene, threads)?)),
+            #[cfg(feature = "physx")]
+            Kind::PhysxPgs => Ok(Box::new(physx::Physx::new(scene, threads, PxSolverType::Pgs)?)),
+            #[cfg(feature = "physx")]
+            Kind::PhysxTgs => Ok(Box::new(physx::Physx::new(scene, threads, PxSolverType::Tgs)?)),
             #[allow(unreachable_patterns)]
             _ => Err(self.missing()),
         }
@@ -143,7 +174,7 @@ mod tests {
         for engine in built() {
             let mut world = engine.build(&scene, 1).expect("an engine");
             for _ in 0..60 {
-                world.step();
+                world.step().expect("a step");
             }
             let fallen = 100.0 - world.poses()[0].position.z;
             // g t²/2 up to what a sub-step of 1/240 s or a step of 1/60 s adds.
@@ -161,7 +192,7 @@ mod tests {
             for steps in 1..=90 {
                 let targets: Vec<Pose> = scene.driven.iter().map(|d| d.after(steps)).collect();
                 world.drive(&targets).expect("driven");
-                world.step();
+                world.step().expect("a step");
             }
             let gone = world.poses()[0].position - scene.bodies[0].pose.position;
             assert!((2.0..8.0).contains(&gone.y), "{engine:?} {gone}");
@@ -177,7 +208,7 @@ mod tests {
             for steps in 1..=45 {
                 let targets: Vec<Pose> = scene.driven.iter().map(|d| d.after(steps)).collect();
                 world.drive(&targets).expect("driven");
-                world.step();
+                world.step().expect("a step");
             }
             // The drum goes 7 m/s, friction speeds the cube up by 6 m/s²: 1.7 m in 0.75 s.
             let gone = world.poses()[0].position - scene.bodies[0].pose.position;
@@ -191,7 +222,7 @@ mod tests {
         for engine in built() {
             let mut world = engine.build(&scene, 2).expect("an engine");
             for _ in 0..300 {
-                world.step();
+                world.step().expect("a step");
             }
             let poses = world.poses();
             let quality = quality::measure(&scene, 300, &poses, &poses);
@@ -206,10 +237,10 @@ mod tests {
         for engine in built() {
             let mut world = engine.build(&scene, 2).expect("an engine");
             for _ in 0..300 {
-                world.step();
+                world.step().expect("a step");
             }
             let before = world.poses();
-            world.step();
+            world.step().expect("a step");
             let quality = quality::measure(&scene, 301, &before, &world.poses());
             assert_eq!(quality.escaped, 0, "{engine:?}");
             assert!(quality.overlapping > 60 && quality.mean_mm < 10.0, "{engine:?} {quality:?}");

@@ -52,9 +52,10 @@ impl Engine for Box3d {
         Ok(())
     }
 
-    fn step(&mut self) {
+    fn step(&mut self) -> Result<(), Error> {
         // SAFETY: the world lives, and `&mut self` keeps all others off it.
         unsafe { b3World_Step(self.world.0, 1.0 / scene::RATE, SUB_STEPS) };
+        Ok(())
     }
 
     fn poses(&self) -> Vec<Pose> {

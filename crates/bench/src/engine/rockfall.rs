@@ -61,8 +61,9 @@ impl Engine for Rockfall {
         Ok(())
     }
 
-    fn step(&mut self) {
+    fn step(&mut self) -> Result<(), Error> {
         self.world.step();
+        Ok(())
     }
 
     fn poses(&self) -> Vec<Pose> {
