@@ -3,7 +3,7 @@
 use crate::motion::rotation_vector;
 use crate::scene::{self, Placed, Scene};
 use rayon::prelude::*;
-use rockfall::math::{Aabb, DVec3, Mat3, Pose, rotation};
+use rockfall::math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
 use rockfall_collide::{Cache, Manifold, collide, distance};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -49,7 +49,7 @@ pub(crate) fn measure(scene: &Scene, steps: u32, before: &[Pose], after: &[Pose]
         mean_mm: 1e3 * depths.iter().sum::<f64>() / depths.len().max(1) as f64,
         p99_mm: 1e3 * percentile(&depths, 99),
         deepest_mm: 1e3 * percentile(&depths, 100),
-        escaped: after.iter().filter(|pose| has_escaped(scene, pose)).count(),
+        escaped: scene.bodies.iter().zip(after).filter(|(body, pose)| has_escaped(scene, body, pose)).count(),
         kinetic,
         rms_speed: if mass > 0.0 { (2.0 * kinetic / mass).sqrt() } else { 0.0 },
         moving,
@@ -68,8 +68,10 @@ fn is_finite(pose: &Pose) -> bool {
     pose.position.is_finite() && pose.rotation.is_finite()
 }
 
-fn has_escaped(scene: &Scene, pose: &Pose) -> bool {
-    let p = pose.position;
+fn has_escaped(scene: &Scene, body: &Placed, pose: &Pose) -> bool {
+    // The origin of a hull may be at its surface, which dips into the ground; its centre of mass is inside.
+    let center = scene.shapes[body.shape].mass_properties(scene.density).map_or(Vec3::ZERO, |m| m.center);
+    let p = pose.point(center);
     let outside = p.x.abs() > scene.half_width || p.y.abs() > scene.half_width;
     !is_finite(pose) || outside || scene.ground_at(p.x, p.y).is_none_or(|ground| p.z < ground)
 }
@@ -158,8 +160,8 @@ fn motion(scene: &Scene, before: &[Pose], after: &[Pose]) -> Motion {
 mod tests {
     use super::*;
     use rockfall::Shape;
-    use rockfall::math::{Quat, Vec2, Vec3};
-    use rockfall::shape::{HeightField, Mesh};
+    use rockfall::math::{Quat, Vec2};
+    use rockfall::shape::{HeightField, Hull, Mesh};
     use std::sync::Arc;
 
     /// A ground, and unit boxes or unit balls at these places.
@@ -223,6 +225,15 @@ mod tests {
         );
         poses[4].position.x = f64::NAN;
         assert_eq!(measure(&scene, 0, &poses, &poses).escaped, 4);
+    }
+
+    #[test]
+    fn where_a_body_is_is_where_its_mass_is() {
+        // A box of 1 m whose origin is 1 cm above its lower face.
+        let corner = |i: usize| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32 - 0.01);
+        let hull = Hull::from_points(&(0..8).map(corner).collect::<Vec<_>>()).expect("a hull");
+        let (scene, poses) = scene(Shape::Hull(Arc::new(hull)), &[[0.0, 0.0, -0.1], [3.0, 0.0, -0.5]]);
+        assert_eq!(measure(&scene, 0, &poses, &poses).escaped, 1);
     }
 
     #[test]
