@@ -3,9 +3,11 @@
 //! Engines live in processes of their own, so that each one's memory can be told apart, and neither finds the
 //! other's threads or heap in its way.
 
-use crate::options::Options;
+use crate::options::{Case, Options};
 use crate::quality::{self, Quality};
+use crate::scene::Scene;
 use crate::{Error, engine, process};
+use rockfall::math::Pose;
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
@@ -62,23 +64,26 @@ pub(crate) fn serve(
     input: impl BufRead,
     mut output: impl Write,
 ) -> Result<(), Error> {
-    let scene = options.only_scene()?.build(options.bodies, options.seed)?;
+    let case = options.only_case()?;
+    let scene = case.scene.build(case.bodies, options.seed)?;
     let empty = process::peak_memory();
-    let mut engine = kind.build(&scene, options.threads)?;
+    let engine = kind.build(&scene, case.threads)?;
+    let mut run = Run { scene: &scene, engine, steps: 0 };
     send(&mut output, &Reply::Ready)?;
     for line in input.lines() {
         match serde_json::from_str(&line?)? {
             Request::Step(steps) => {
-                let block = step(engine.as_mut(), steps);
+                let block = run.block(steps)?;
                 send(&mut output, &Reply::Stepped(block))?;
             }
             Request::Finish => {
                 let memory =
                     process::peak_memory().zip(empty).map(|(peak, empty)| peak.saturating_sub(empty));
-                let mass = engine.mass();
-                let before = engine.poses();
-                engine.step();
-                let quality = quality::measure(&scene, &before, &engine.poses());
+                let mass = run.engine.mass();
+                let before = run.engine.poses();
+                run.drive()?;
+                run.engine.step()?;
+                let quality = quality::measure(&scene, run.steps, &before, &run.engine.poses());
                 let outcome = Outcome { bodies: scene.bodies.len(), mass, memory, quality };
                 return send(&mut output, &Reply::Finished(outcome));
             }
@@ -87,23 +92,42 @@ pub(crate) fn serve(
     Ok(())
 }
 
-fn step(engine: &mut dyn engine::Engine, steps: u32) -> Block {
-    let mut stages: Vec<(String, f64)> = Vec::new();
-    let share = 1.0 / f64::from(steps.max(1));
-    let (mut wall, cpu) = (0.0, process::cpu_ms());
-    for _ in 0..steps {
-        let start = Instant::now();
-        engine.step();
-        wall += share * 1e3 * start.elapsed().as_secs_f64();
-        for (i, (name, time)) in engine.stages().into_iter().enumerate() {
-            if i == stages.len() {
-                stages.push((name.to_owned(), 0.0));
-            }
-            stages[i].1 += share * time;
-        }
+/// An engine on its way through a scene.
+struct Run<'a> {
+    scene: &'a Scene,
+    engine: Box<dyn engine::Engine>,
+    /// Begun so far.
+    steps: u32,
+}
+
+impl Run<'_> {
+    /// Begins a step: tells driven bodies where to go in it.
+    fn drive(&mut self) -> Result<(), Error> {
+        self.steps += 1;
+        let targets: Vec<Pose> = self.scene.driven.iter().map(|driven| driven.after(self.steps)).collect();
+        if targets.is_empty() { Ok(()) } else { self.engine.drive(&targets) }
     }
-    let cpu = process::cpu_ms().zip(cpu).map(|(after, before)| share * (after - before));
-    Block { wall, cpu, stages }
+
+    /// Some steps, timed.
+    fn block(&mut self, steps: u32) -> Result<Block, Error> {
+        let mut stages: Vec<(String, f64)> = Vec::new();
+        let share = 1.0 / f64::from(steps.max(1));
+        let (mut wall, cpu) = (0.0, process::cpu_ms());
+        for _ in 0..steps {
+            let start = Instant::now();
+            self.drive()?;
+            self.engine.step()?;
+            wall += share * 1e3 * start.elapsed().as_secs_f64();
+            for (i, (name, time)) in self.engine.stages().into_iter().enumerate() {
+                if i == stages.len() {
+                    stages.push((name.to_owned(), 0.0));
+                }
+                stages[i].1 += share * time;
+            }
+        }
+        let cpu = process::cpu_ms().zip(cpu).map(|(after, before)| share * (after - before));
+        Ok(Block { wall, cpu, stages })
+    }
 }
 
 fn send(output: &mut impl Write, message: &impl Serialize) -> Result<(), Error> {
@@ -122,10 +146,10 @@ pub(crate) struct Child {
 
 impl Child {
     /// Starts this program again with one engine and one scene.
-    pub(crate) fn start(options: &Options, kind: engine::Kind) -> Result<Self, Error> {
+    pub(crate) fn start(options: &Options, kind: engine::Kind, case: Case) -> Result<Self, Error> {
         let name = kind.name();
         let mut process = Command::new(std::env::current_exe()?)
-            .args(options.of_child(kind))
+            .args(options.of_child(kind, case))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;

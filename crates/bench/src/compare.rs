@@ -1,7 +1,7 @@
 //! Runs engines turn by turn, and takes medians.
 
 use crate::child::{Block, Child, Outcome};
-use crate::options::Options;
+use crate::options::{Case, Options};
 use crate::{Error, engine};
 use serde::Serialize;
 
@@ -10,11 +10,15 @@ use serde::Serialize;
 pub(crate) struct Line {
     pub(crate) scene: &'static str,
     pub(crate) bodies: usize,
+    /// Of a run, the timed ones included.
+    pub(crate) steps: u32,
     pub(crate) threads: usize,
     pub(crate) engine: &'static str,
-    pub(crate) version: &'static str,
+    pub(crate) version: String,
     /// Median over all timed turns of all runs.
     pub(crate) ms_per_step: f64,
+    /// Mean over all steps of a run, from the first fall to the end; the median over all runs.
+    pub(crate) all_ms_per_step: f64,
     /// Of the fastest timed turn.
     pub(crate) best_ms_per_step: f64,
     /// Time as a multiple of the first engine's: the median over turns that were next to each other.
@@ -36,6 +40,7 @@ pub(crate) struct Line {
     /// Bodies faster than 50 mm/s.
     pub(crate) moving: usize,
     pub(crate) top_drop_mm: Option<f64>,
+    pub(crate) top_drift_mm: Option<f64>,
     /// Peak memory of the engine by the number of bodies.
     pub(crate) bytes_per_body: Option<f64>,
     /// Times of the stages, milliseconds per step, medians.
@@ -45,20 +50,24 @@ pub(crate) struct Line {
 /// All that one engine gave in all runs.
 struct Runs {
     kind: engine::Kind,
+    /// Timed turns.
     blocks: Vec<Block>,
+    /// Mean time of all steps of each run, milliseconds.
+    all: Vec<f64>,
     outcomes: Vec<Outcome>,
 }
 
 /// One scene in all engines. `say` hears how far it is.
-pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
-    let scene = options.only_scene()?;
-    let mut runs: Vec<Runs> =
-        options.engines.iter().map(|&kind| Runs { kind, blocks: Vec::new(), outcomes: Vec::new() }).collect();
+pub(crate) fn compare(options: &Options, case: Case, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
+    let Case { scene, bodies, threads } = case;
+    let none = |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), outcomes: Vec::new() };
+    let mut runs: Vec<Runs> = options.engines.iter().map(none).collect();
     for repeat in 1..=options.repeats {
-        let children = options.engines.iter().map(|&kind| Child::start(options, kind));
+        let children = options.engines.iter().map(|&kind| Child::start(options, kind, case));
         let mut children = children.collect::<Result<Vec<_>, _>>()?;
+        let mut sums = vec![0.0; children.len()];
         let mut done = 0;
-        for (number, turn) in options.turns().into_iter().enumerate() {
+        for (number, turn) in options.turns(scene).into_iter().enumerate() {
             let mut order: Vec<usize> = (0..children.len()).collect();
             // Whoever goes first meets colder caches or a busier neighbour: they take turns at that, too.
             order.rotate_left((number + repeat as usize) % children.len().max(1));
@@ -66,22 +75,25 @@ pub(crate) fn compare(options: &Options, mut say: impl FnMut(&str)) -> Result<Ve
             for i in order {
                 let block = children[i].step(turn.steps)?;
                 last += &format!("  {} {:.1} ms", runs[i].kind.name(), block.wall);
+                sums[i] += f64::from(turn.steps) * block.wall;
                 if turn.timed {
                     runs[i].blocks.push(block);
                 }
             }
             done += turn.steps;
-            say(&format!("{} run {repeat}/{} step {done}{last}", scene.name(), options.repeats));
+            let of = format!("{}, {bodies} bodies, {threads} threads", scene.name());
+            say(&format!("{of}: run {repeat}/{} step {done}{last}", options.repeats));
         }
-        for (run, child) in runs.iter_mut().zip(children) {
+        for ((run, child), sum) in runs.iter_mut().zip(children).zip(sums) {
+            run.all.push(sum / f64::from(done));
             run.outcomes.push(child.finish()?);
         }
     }
     let Some(first) = runs.first() else { return Ok(Vec::new()) };
-    runs.iter().map(|run| line(options, scene.name(), run, first)).collect()
+    runs.iter().map(|run| line(options, case, run, first)).collect()
 }
 
-fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Result<Line, Error> {
+fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line, Error> {
     let outcomes = &run.outcomes;
     let Some(any) = outcomes.first() else {
         return Err(Error::Engine { engine: run.kind.name(), reason: "it has no result".to_owned() });
@@ -95,12 +107,14 @@ fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Res
     let cpu: Option<Vec<f64>> = run.blocks.iter().map(|b| b.cpu).collect();
     let cpu_ratio: Option<Vec<f64>> = pairs().map(|(b, f)| Some(b.cpu? / f.cpu?)).collect();
     Ok(Line {
-        scene,
+        scene: case.scene.name(),
         bodies: any.bodies,
-        threads: options.threads,
+        steps: options.turns(case.scene).iter().map(|turn| turn.steps).sum(),
+        threads: case.threads,
         engine: run.kind.name(),
         version: run.kind.version(),
         ms_per_step: median(walls()),
+        all_ms_per_step: median(run.all.iter().copied()),
         best_ms_per_step: walls().fold(f64::INFINITY, f64::min),
         times_first: median(pairs().map(|(b, f)| b.wall / f.wall)),
         cpu_ms_per_step: cpu.map(median),
@@ -115,6 +129,7 @@ fn line(options: &Options, scene: &'static str, run: &Runs, first: &Runs) -> Res
         rms_speed_mm_per_s: of(&|o| 1e3 * o.quality.rms_speed),
         moving: of(&|o| o.quality.moving as f64) as usize,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
+        top_drift_mm: any.quality.top_drift_mm.map(|_| of(&|o| o.quality.top_drift_mm.unwrap_or(0.0))),
         bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
         stages: run.blocks.first().map_or(Vec::new(), |b| {
             b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
@@ -153,6 +168,7 @@ mod tests {
                 .iter()
                 .map(|&wall| Block { wall, cpu: Some(2.0 * wall), stages: Vec::new() })
                 .collect(),
+            all: vec![2.0, 5.0, 100.0],
             outcomes: vec![Outcome {
                 bodies: 10,
                 mass: 1.0,
@@ -164,9 +180,9 @@ mod tests {
         let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
         let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
         let options = Options::parse_from(["rockfall-bench"]);
-        let line = line(&options, "box-pile", &peer, &ours).expect("a line");
+        let line = line(&options, options.cases()[0], &peer, &ours).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
-        assert_eq!((line.ms_per_step, line.best_ms_per_step), (22.5, 15.0));
+        assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
         assert_eq!(line.bytes_per_body, Some(500.0));
     }
 }

@@ -4,12 +4,16 @@
 //! whatever else goes on in the machine hits all of them alike; compare ratios, not times of different runs. How
 //! good the result is, is computed from poses and shapes alone, by one function for all.
 
-#![forbid(unsafe_code)]
+// Engines in C and C++ are called from their own files under `engine`, and nothing else is unsafe.
+#![deny(unsafe_code)]
 
 mod child;
 mod compare;
 mod engine;
+mod motion;
 mod options;
+mod page;
+mod plot;
 mod process;
 mod quality;
 mod scene;
@@ -23,18 +27,22 @@ use std::process::ExitCode;
 #[derive(Debug, thiserror::Error)]
 enum Error {
     #[error(
-        "this build has no {0}; build it with `cargo build --release -p rockfall-bench --features peers`, \
+        "this build has no {engine}; build it with `cargo build --release -p rockfall-bench --features {feature}`, \
          or choose `--engines rockfall`"
     )]
-    NotBuilt(&'static str),
+    NotBuilt { engine: &'static str, feature: &'static str },
     #[error("{engine}: {reason}")]
     Engine { engine: &'static str, reason: String },
-    #[error("expected one scene, not {0}")]
-    Scenes(usize),
+    #[error("expected one scene with one number of bodies and threads, not {0}")]
+    Cases(usize),
     #[error("rockfall: {0}")]
     World(#[from] rockfall::Error),
     #[error("{0}")]
     Hull(#[from] rockfall::shape::HullError),
+    #[error("{0}")]
+    HeightField(#[from] rockfall::shape::HeightFieldError),
+    #[error("{0}")]
+    Mesh(#[from] rockfall::shape::MeshError),
     #[error("{0}")]
     Io(#[from] std::io::Error),
     #[error("{0}")]
@@ -62,16 +70,21 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), Error> {
     if let Some(missing) = options.engines.iter().find(|kind| !kind.is_built()) {
-        return Err(Error::NotBuilt(missing.name()));
+        return Err(missing.missing());
     }
     let mut lines = Vec::new();
-    for &scene in &options.scene {
-        lines.extend(compare::compare(&options.with_scene(scene), |progress| eprintln!("{progress}"))?);
-    }
-    println!("{}, {} runs of {} steps\n", process::machine(), options.repeats, options.steps);
+    let mut measure = || -> Result<(), Error> {
+        for case in options.cases() {
+            lines.extend(compare::compare(options, case, |progress| eprintln!("{progress}"))?);
+        }
+        Ok(())
+    };
+    // What is there when something fails took hours, perhaps: it is shown and written all the same.
+    let measured = measure();
+    println!("{}, medians of {} runs\n", process::machine(), options.repeats);
     println!("{}\n{}", table::markdown(&lines), table::stages(&lines));
-    match &options.out {
-        Some(folder) => table::write(folder, options, &lines),
-        None => Ok(()),
+    if let Some(folder) = &options.out {
+        table::write(folder, options, &lines)?;
     }
+    measured
 }

@@ -1,45 +1,66 @@
-//! The result as Markdown, CSV and JSON.
+//! The result as Markdown, CSV and JSON; as a page, see `page`.
 
 use crate::compare::Line;
 use crate::options::Options;
-use crate::{Error, process};
+use crate::{Error, page, process};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-const HEAD: &str = "\
-| scene | bodies | threads | engine | ms per step | times the first | CPU ms per step | times the first | \
-penetration mean / p99 / max, mm | overlapping pairs | escaped | motion left, mm/s | moving | top sunk, mm | KB per body |
-|---|--:|--:|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|
-";
+/// Names of the columns, and whether they are of numbers.
+pub(crate) const COLUMNS: [(&str, bool); 18] = [
+    ("scene", false),
+    ("bodies", true),
+    ("steps", true),
+    ("threads", true),
+    ("engine", false),
+    ("ms per step", true),
+    ("times the first", true),
+    ("over all steps", true),
+    ("CPU ms per step", true),
+    ("times the first", true),
+    ("penetration mean / p99 / max, mm", true),
+    ("overlapping pairs", true),
+    ("escaped", true),
+    ("motion left, mm/s", true),
+    ("kinetic energy, J", true),
+    ("moving", true),
+    ("top sunk / gone sideways, mm", true),
+    ("KB per body", true),
+];
+
+/// A row of the table, as people read it.
+pub(crate) fn row(l: &Line) -> [String; COLUMNS.len()] {
+    let or_dash = |x: Option<f64>, digits: usize| x.map_or("–".to_owned(), |x| format!("{x:.digits$}"));
+    let both = |(drop, drift): (f64, f64)| format!("{drop:.0} / {drift:.0}");
+    [
+        l.scene.to_owned(),
+        l.bodies.to_string(),
+        l.steps.to_string(),
+        l.threads.to_string(),
+        format!("{} {}", l.engine, l.version),
+        format!("{:.1}", l.ms_per_step),
+        format!("{:.2}", l.times_first),
+        format!("{:.1}", l.all_ms_per_step),
+        or_dash(l.cpu_ms_per_step, 1),
+        or_dash(l.cpu_times_first, 2),
+        format!("{:.2} / {:.1} / {:.1}", l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm),
+        l.overlapping_pairs.to_string(),
+        l.escaped.to_string(),
+        format!("{:.1}", l.rms_speed_mm_per_s),
+        format!("{:.3e}", l.kinetic_joule),
+        l.moving.to_string(),
+        l.top_drop_mm.zip(l.top_drift_mm).map_or("–".to_owned(), both),
+        or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
+    ]
+}
 
 /// The table, as the program prints it.
 pub(crate) fn markdown(lines: &[Line]) -> String {
-    let or_dash = |x: Option<f64>, digits: usize| x.map_or("–".to_owned(), |x| format!("{x:.digits$}"));
-    let mut text = HEAD.to_owned();
-    for l in lines {
-        let row = [
-            l.scene.to_owned(),
-            l.bodies.to_string(),
-            l.threads.to_string(),
-            format!("{} {}", l.engine, l.version),
-            format!("{:.1}", l.ms_per_step),
-            format!("{:.2}", l.times_first),
-            or_dash(l.cpu_ms_per_step, 1),
-            or_dash(l.cpu_times_first, 2),
-            format!(
-                "{:.2} / {:.1} / {:.1}",
-                l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm
-            ),
-            l.overlapping_pairs.to_string(),
-            l.escaped.to_string(),
-            format!("{:.1}", l.rms_speed_mm_per_s),
-            l.moving.to_string(),
-            or_dash(l.top_drop_mm, 0),
-            or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
-        ];
-        text += &format!("| {} |\n", row.join(" | "));
-    }
+    let names = COLUMNS.map(|(name, _)| name.to_owned());
+    let sides = COLUMNS.map(|(_, right)| if right { "--:" } else { "---" });
+    let mut text = format!("| {} |\n|{}|\n", names.join(" | "), sides.join("|"));
+    text.extend(lines.iter().map(|line| format!("| {} |\n", row(line).join(" | "))));
     text
 }
 
@@ -64,9 +85,9 @@ pub(crate) fn write(folder: &Path, options: &Options, lines: &[Line]) -> Result<
     fs::create_dir_all(folder)?;
     fs::write(folder.join("bench.md"), markdown(lines) + "\n" + &stages(lines))?;
     fs::write(folder.join("bench.csv"), csv(lines)?)?;
+    fs::write(folder.join("bench.html"), page::html(lines, options.repeats))?;
     let json = serde_json::json!({
         "machine": process::machine(),
-        "steps": options.steps,
         "timed": options.timed,
         "turn": options.turn,
         "repeats": options.repeats,
@@ -97,17 +118,19 @@ fn csv(lines: &[Line]) -> Result<Vec<u8>, Error> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn sample(engine: &'static str) -> Line {
+    pub(crate) fn sample(engine: &'static str) -> Line {
         Line {
             scene: "pyramid",
             bodies: 55,
+            steps: 600,
             threads: 2,
             engine,
-            version: "1.2.3",
+            version: "1.2.3".to_owned(),
             ms_per_step: 12.34,
+            all_ms_per_step: 10.06,
             best_ms_per_step: 11.0,
             times_first: 1.5,
             cpu_ms_per_step: Some(20.0),
@@ -122,6 +145,7 @@ mod tests {
             rms_speed_mm_per_s: 3.25,
             moving: 4,
             top_drop_mm: Some(740.4),
+            top_drift_mm: Some(12.0),
             bytes_per_body: Some(2456.0),
             stages: vec![("touch".to_owned(), 3.0), ("link".to_owned(), 0.0)],
         }
@@ -131,10 +155,10 @@ mod tests {
     fn every_row_of_the_table_has_every_column() {
         let text = markdown(&[sample("a"), sample("b")]);
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
-        assert_eq!(columns, [16; 4]);
-        assert!(
-            text.contains("| 12.3 | 1.50 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 4 | 740 | 2.46 |")
-        );
+        assert_eq!(columns, [19; 4]);
+        assert!(text.contains(
+            "| 12.3 | 1.50 | 10.1 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
+        ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
     }
 

@@ -13,12 +13,13 @@ use rockfall::math::{Pose, Quat};
 pub(super) struct Rapier {
     world: PhysicsWorld,
     handles: Vec<RigidBodyHandle>,
+    driven: Vec<RigidBodyHandle>,
 }
 
 impl Rapier {
     pub(super) fn new(scene: &Scene, threads: usize) -> Result<Self, Error> {
         let mut world = PhysicsWorld::new();
-        world.gravity = Vector::new(0.0, 0.0, -scene::GRAVITY);
+        world.gravity = Vector::new(0.0, 0.0, -scene.gravity);
         world.integration_parameters.dt = 1.0 / scene::RATE;
         world
             .configure_thread_pool(threads)
@@ -26,13 +27,21 @@ impl Rapier {
         let shapes = scene.shapes.iter().map(shared).collect::<Result<Vec<_>, _>>()?;
         let collider = |shape: usize| {
             ColliderBuilder::new(shapes[shape].clone())
-                .density(scene::DENSITY)
+                .density(scene.density)
                 .friction(scene::FRICTION)
                 .restitution(scene::RESTITUTION)
         };
         for fixed in &scene.fixed {
             world.insert(RigidBodyBuilder::fixed().pose(place(&fixed.pose)), collider(fixed.shape));
         }
+        let driven = scene
+            .driven
+            .iter()
+            .map(|d| {
+                let body = RigidBodyBuilder::kinematic_position_based().pose(place(&d.after(0)));
+                world.insert(body, collider(d.shape)).0
+            })
+            .collect();
         let bodies = scene.bodies.iter();
         let handles = bodies
             .map(|p| {
@@ -40,13 +49,21 @@ impl Rapier {
                 world.insert(body, collider(p.shape)).0
             })
             .collect();
-        Ok(Rapier { world, handles })
+        Ok(Rapier { world, handles, driven })
     }
 }
 
 impl Engine for Rapier {
-    fn step(&mut self) {
+    fn drive(&mut self, targets: &[Pose]) -> Result<(), Error> {
+        for (&handle, target) in self.driven.iter().zip(targets) {
+            self.world.bodies[handle].set_next_kinematic_position(place(target));
+        }
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<(), Error> {
         self.world.step();
+        Ok(())
     }
 
     fn poses(&self) -> Vec<Pose> {
@@ -78,7 +95,11 @@ fn shared(shape: &Shape) -> Result<SharedShape, Error> {
     match shape {
         Shape::Sphere { radius } => Ok(SharedShape::ball(*radius)),
         Shape::Box { half } => Ok(SharedShape::cuboid(half.x, half.y, half.z)),
+        Shape::Capsule { half_length, radius } => Ok(SharedShape::capsule_z(*half_length, *radius)),
         Shape::Hull(hull) => SharedShape::convex_hull(&hull.vertices).ok_or_else(refused),
+        Shape::Mesh(mesh) => {
+            SharedShape::trimesh(mesh.vertices.clone(), mesh.triangles.clone()).map_err(|_| refused())
+        }
         _ => Err(refused()),
     }
 }

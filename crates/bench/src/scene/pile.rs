@@ -10,47 +10,72 @@ use rockfall::shape::Hull;
 use std::sync::Arc;
 
 /// Hulls differ, and are shared: there are so many.
-const HULLS: u64 = 256;
+const HULLS: usize = 256;
 
 /// Between the outermost cells and the walls, metres.
 const GAP: f32 = 0.25;
 
 /// Keys of the random streams of shapes and of places.
-const SHAPES: u64 = 1 << 60;
+pub(super) const SHAPES: u64 = 1 << 60;
 const PLACES: u64 = 2 << 60;
 
 pub(super) fn boxes(count: usize, seed: u64) -> Scene {
-    let shape = |i: usize| {
-        let mut random = Random::new(seed, SHAPES + i as u64);
-        let mut half = || 0.5 * random.between(0.5, 1.0);
-        Shape::Box { half: Vec3::new(half(), half(), half()) }
-    };
-    fill((0..count).map(shape).collect(), count, 1.25, seed)
+    fill((0..count).map(|i| box_shape(i, seed)).collect(), count, 1.25, seed)
 }
 
 pub(super) fn balls(count: usize, seed: u64) -> Scene {
-    let shape = |i: usize| Shape::Sphere { radius: Random::new(seed, SHAPES + i as u64).between(0.25, 0.5) };
-    fill((0..count).map(shape).collect(), count, 1.1, seed)
+    fill((0..count).map(|i| ball_shape(i, seed)).collect(), count, 1.1, seed)
 }
 
 pub(super) fn hulls(count: usize, seed: u64) -> Result<Scene, crate::Error> {
-    let hull = |i: u64| {
-        let mut random = Random::new(seed, SHAPES + i);
+    Ok(fill(hull_shapes(HULLS, seed)?, count, 1.1, seed))
+}
+
+/// Edges of 0.5 to 1 m.
+pub(super) fn box_shape(i: usize, seed: u64) -> Shape {
+    let mut random = Random::new(seed, SHAPES + i as u64);
+    let mut half = || 0.5 * random.between(0.5, 1.0);
+    Shape::Box { half: Vec3::new(half(), half(), half()) }
+}
+
+/// Radii of 0.25 to 0.5 m.
+pub(super) fn ball_shape(i: usize, seed: u64) -> Shape {
+    Shape::Sphere { radius: Random::new(seed, SHAPES + i as u64).between(0.25, 0.5) }
+}
+
+/// So many hulls of 12 to 20 corners, about 0.8 m across.
+pub(super) fn hull_shapes(count: usize, seed: u64) -> Result<Vec<Shape>, crate::Error> {
+    let hull = |i: usize| {
+        let mut random = Random::new(seed, SHAPES + i as u64);
         let corners = random.between(12.0, 21.0) as usize;
         let axes = Vec3::new(0.5, random.between(0.35, 0.5), random.between(0.3, 0.45));
         let points: Vec<Vec3> = (0..corners).map(|_| random.direction() * axes).collect();
         Ok(Shape::Hull(Arc::new(Hull::from_points(&points)?)))
     };
-    let shapes = (0..HULLS).map(hull).collect::<Result<Vec<_>, crate::Error>>()?;
-    Ok(fill(shapes, count, 1.1, seed))
+    (0..count).map(hull).collect()
 }
 
-/// One body in each cell of a grid, `pitch` metres wide, that holds the body in a random place.
+/// A room, and a cube of bodies in it.
 fn fill(shapes: Vec<Shape>, count: usize, pitch: f32, seed: u64) -> Scene {
     let side = (1..).find(|n: &usize| n * n * n >= count).unwrap_or(1);
     let layers = count.div_ceil(side * side);
+    let mut scene = Scene::room(0.5 * side as f32 * pitch + GAP, (layers + 2) as f32 * pitch);
+    drop(&mut scene, shapes, count, side, pitch, 0.0, seed);
+    scene
+}
+
+/// `count` bodies of these shapes, one in each cell of a grid that holds the body in a random place. Cells are `pitch`
+/// metres wide, `side` times `side` in a layer, and the lowest layer begins at the height `low`, metres.
+pub(super) fn drop(
+    scene: &mut Scene,
+    shapes: Vec<Shape>,
+    count: usize,
+    side: usize,
+    pitch: f32,
+    low: f32,
+    seed: u64,
+) {
     let width = side as f32 * pitch;
-    let mut scene = Scene::room(0.5 * width + GAP, (layers + 2) as f32 * pitch);
     let first = scene.shapes.len();
     let kinds = shapes.len();
     scene.shapes.extend(shapes);
@@ -64,10 +89,9 @@ fn fill(shapes: Vec<Shape>, count: usize, pitch: f32, seed: u64) -> Scene {
         let mut jitter = || 0.99 * random.between(-1.0, 1.0);
         let shift = Vec3::new(jitter(), jitter(), jitter()) * spare - bounds.center();
         let cell = [i % side, i / side % side, i / (side * side)].map(|n| (n as f32 + 0.5) * pitch);
-        let position = Vec3::new(cell[0] - 0.5 * width, cell[1] - 0.5 * width, cell[2]) + shift;
+        let position = Vec3::new(cell[0] - 0.5 * width, cell[1] - 0.5 * width, cell[2] + low) + shift;
         scene.bodies.push(Placed { shape, pose: Pose { position: position.as_dvec3(), rotation } });
     }
-    scene
 }
 
 /// The rotation itself where the turned shape fits a cell, else the nearest of half, a quarter, … of its angle.

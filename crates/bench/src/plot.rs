@@ -1,0 +1,152 @@
+//! Curves on logarithmic axes, as SVG text.
+
+use std::fmt::Write;
+
+/// A named curve.
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    /// Points with positive coordinates; others are left out.
+    pub(crate) points: Vec<(f64, f64)>,
+    /// Into a palette of eight colours, over and over.
+    pub(crate) colour: usize,
+    pub(crate) dashed: bool,
+}
+
+/// Colours that most people can tell apart (Okabe and Ito 2008).
+const COLOURS: [&str; 8] =
+    ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999933"];
+
+/// Sizes in pixels: of the picture, and of what is around the frame with the curves.
+const WIDTH: f64 = 640.0;
+const HEIGHT: f64 = 400.0;
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = 190.0;
+const TOP: f64 = 16.0;
+const BOTTOM: f64 = 48.0;
+
+/// One picture with its legend.
+pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
+    let shown = |&(x, y): &(f64, f64)| [x, y].iter().all(|v| v.is_finite() && *v > 0.0);
+    let points = || curves.iter().flat_map(|curve| &curve.points).copied().filter(shown);
+    let horizontal = Axis::around(points().map(|p| p.0), LEFT, WIDTH - RIGHT);
+    let vertical = Axis::around(points().map(|p| p.1), HEIGHT - BOTTOM, TOP);
+    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
+
+    // Writing to a string can't fail.
+    let mut svg = format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\">\n");
+    for tick in horizontal.ticks() {
+        let x = horizontal.place(tick);
+        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/>");
+        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\" class=\"middle\">{tick}</text>", bottom + 18.0);
+    }
+    for tick in vertical.ticks() {
+        let y = vertical.place(tick);
+        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/>");
+        let _ =
+            writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\" class=\"end\">{tick}</text>", LEFT - 8.0, y + 4.0);
+    }
+    let _ = writeln!(
+        svg,
+        "<text x=\"{:.1}\" y=\"{:.1}\" class=\"middle\">{}</text>\n\
+         <text transform=\"translate(16 {:.1}) rotate(-90)\" class=\"middle\">{}</text>",
+        0.5 * (LEFT + right),
+        HEIGHT - 8.0,
+        escape(across),
+        0.5 * (TOP + bottom),
+        escape(up)
+    );
+    for (number, curve) in curves.iter().enumerate() {
+        let colour = COLOURS[curve.colour % COLOURS.len()];
+        let dashes = if curve.dashed { " stroke-dasharray=\"6 4\"" } else { "" };
+        let place = |(x, y): &(f64, f64)| (horizontal.place(*x), vertical.place(*y));
+        let mut points: Vec<(f64, f64)> = curve.points.iter().filter(|p| shown(p)).map(place).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let line: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let _ = writeln!(svg, "<g stroke=\"{colour}\" fill=\"{colour}\">");
+        let _ = writeln!(svg, "<polyline fill=\"none\" points=\"{}\"{dashes}/>", line.join(" "));
+        for (x, y) in &points {
+            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
+        }
+        let y = TOP + 10.0 + 20.0 * number as f64;
+        let _ = writeln!(svg, "<path d=\"M{} {y}h24\"{dashes}/>\n</g>", right + 12.0);
+        let name = escape(&curve.name);
+        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{name}</text>", right + 42.0, y + 4.0);
+    }
+    svg + "</svg>\n"
+}
+
+/// A logarithmic scale.
+struct Axis {
+    /// The ends, values.
+    low: f64,
+    high: f64,
+    /// Where the ends are, pixels.
+    from: f64,
+    to: f64,
+}
+
+impl Axis {
+    /// With all these positive values inside, and at least an octave long.
+    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Axis {
+        let (least, most) = values.fold((f64::INFINITY, 0.0f64), |(l, m), v| (l.min(v), m.max(v)));
+        let (least, most) = if least <= most { (least, most) } else { (1.0, 1.0) };
+        Axis { low: least / 1.5, high: most * 1.5, from, to }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        let share = (value / self.low).ln() / (self.high / self.low).ln();
+        self.from + share * (self.to - self.from)
+    }
+
+    /// The 1, 2 and 5 of each power of ten that are on the axis; only the 1 where there would be too many.
+    fn ticks(&self) -> Vec<f64> {
+        let powers =
+            || (self.low.log10().floor() as i32..=self.high.log10().ceil() as i32).map(|n| 10f64.powi(n));
+        let steps: &[f64] = if self.high / self.low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let all = powers().flat_map(|power| steps.iter().map(move |step| step * power));
+        // Rounded, so that they print as people write them.
+        let clean = |v: f64| format!("{v:.6e}").parse().unwrap_or(v);
+        all.map(clean).filter(|v| (self.low..=self.high).contains(v)).collect()
+    }
+}
+
+/// Text that may stand in HTML and SVG.
+pub(crate) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(points: &[(f64, f64)]) -> Curve {
+        Curve { name: "a<b".to_owned(), points: points.to_vec(), colour: 0, dashed: false }
+    }
+
+    #[test]
+    fn equal_ratios_are_equal_lengths() {
+        let axis = Axis::around([10.0, 1000.0].into_iter(), 0.0, 100.0);
+        let [a, b, c] = [10.0, 100.0, 1000.0].map(|v| axis.place(v));
+        assert!(((b - a) - (c - b)).abs() < 1e-9 && 0.0 < a && c < 100.0);
+    }
+
+    #[test]
+    fn ticks_are_round_and_on_the_axis() {
+        let ticks = |values: &[f64]| Axis::around(values.iter().copied(), 0.0, 1.0).ticks();
+        assert_eq!(ticks(&[0.03, 0.3]), [0.02, 0.05, 0.1, 0.2]);
+        assert_eq!(ticks(&[300.0]), [200.0]);
+        assert_eq!(ticks(&[2.0, 1e6]), [10.0, 100.0, 1e3, 1e4, 1e5, 1e6]);
+        assert_eq!(ticks(&[]), [1.0]);
+    }
+
+    #[test]
+    fn a_curve_goes_from_left_to_right_and_leaves_out_what_has_no_place() {
+        let svg = log_log("n", "µs", &[curve(&[(100.0, 2.0), (10.0, 1.0), (50.0, f64::NAN), (0.0, 1.0)])]);
+        assert_eq!(svg.matches("<circle").count(), 2);
+        let line = svg.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a line");
+        let xs: Vec<f64> =
+            line.split(' ').map(|p| p.split(',').next().expect("x").parse().expect("a number")).collect();
+        assert!(xs.len() == 2 && xs[0] < xs[1], "{line}");
+        assert!(svg.contains("a&lt;b") && !svg.contains("NaN") && !svg.contains("inf"));
+    }
+}
