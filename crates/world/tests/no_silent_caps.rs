@@ -86,10 +86,10 @@ fn a_thousand_bodies_at_one_point_come_apart() {
     assert!(places.len() > 900, "they have come apart: {}", places.len());
 }
 
-/// Promise: the same with 10,000 bodies, 49,995,000 contacts. Needs 21 GB and four minutes; run it with
+/// Promise: the same with 10,000 bodies, 49,995,000 contacts. Needs 13 GB and four minutes; run it with
 /// `cargo test --release -p rockfall --test no_silent_caps -- --ignored`.
 #[test]
-#[ignore = "21 GB and four minutes: cargo test --release -p rockfall --test no_silent_caps -- --ignored"]
+#[ignore = "13 GB and four minutes: cargo test --release -p rockfall --test no_silent_caps -- --ignored"]
 fn ten_thousand_bodies_at_one_point_come_apart() {
     all_at_one_point(10_000);
 }
