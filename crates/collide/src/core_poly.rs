@@ -10,7 +10,7 @@ use crate::segments;
 use crate::{ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
 
-/// Cosine above which a segment lies on a face: see the one of polyhedra.
+/// Cosine of the angle between the normal and a face above which a segment lies on that face: 11 degrees.
 const FACE_COSINE: f32 = 0.98;
 
 /// A point near a polyhedron, no further than `limit`.

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 /// degrees. Above it what lies over the face within the margin belongs to the manifold too. Near-parallel faces touch
 /// first at a corner or a crossing of edges, and where they overlap deeply the crossing may even part them on the
 /// shortest way; held at one point only, they would turn about it into each other.
-pub(crate) const FACE_COSINE: f32 = 0.8;
+const FACE_COSINE: f32 = 0.8;
 
 /// Appends the manifold of two polyhedra if they come within `margin`. Returns how far apart they are at least, or 0.
 pub(crate) fn collide(

@@ -62,11 +62,12 @@ impl Fresh {
                 let (drift_a, drift_b) = (&bodies.drifts[a as usize], &bodies.drifts[row_of(b)]);
                 let moved = drift_b.translation() - drift_a.translation();
                 let offset = (bodies.positions[row_of(b)] - bodies.positions[a as usize]).as_vec3() - moved;
-                for (&manifold, &memory) in manifolds.iter().zip(memories) {
-                    chunk.manifolds.push(manifold);
-                    chunk.memories.push(memory);
-                    follow(chunk.manifolds.last_mut().expect("was pushed"), offset, drift_a, drift_b);
-                }
+                chunk.manifolds.extend(manifolds.iter().map(|&before| {
+                    let mut manifold = before;
+                    follow(&mut manifold, offset, drift_a, drift_b);
+                    manifold
+                }));
+                chunk.memories.extend_from_slice(memories);
             } else {
                 locals.clear();
                 meet(bodies, shapes, a as usize, row_of(b), &mut recall, locals);
