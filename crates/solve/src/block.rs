@@ -33,7 +33,7 @@ pub struct Block<const P: usize, const T: usize> {
     pub arms: [Column3; P],
     /// Signed distances at the start of the step, metres.
     pub distances: [Column; P],
-    /// Effective masses along the normal, kg; 0 for points that are not in use.
+    /// Effective masses along the normal, kg; 0 for points that are not in use, any other number for one whose mass is not known yet.
     pub masses: [Column; P],
     /// Accumulated normal impulses, N s.
     pub impulses: [Column; P],
@@ -126,13 +126,6 @@ pub(crate) fn store<L: Lanes>(x: L, column: &mut Column, k: usize) {
 #[inline(always)]
 pub(crate) fn load3<L: Lanes>(token: L::Token, columns: &Column3, k: usize) -> Lanes3<L> {
     Lanes3::new(load(token, &columns[0], k), load(token, &columns[1], k), load(token, &columns[2], k))
-}
-
-/// Writes one vector into a lane.
-pub(crate) fn put3(columns: &mut Column3, lane: usize, v: Vec3) {
-    for (column, x) in columns.iter_mut().zip(v.to_array()) {
-        column[lane] = x;
-    }
 }
 
 /// Reads one vector from a lane.

@@ -1,6 +1,6 @@
 //! Stage 10, **bounce**: restitution, once, after all sub-steps.
 //!
-//! Reads the approach velocities that [`crate::batch`] measured before the step and the largest impulses of the step; writes
+//! Reads the approach velocities that [`crate::contacts`] measured before the step and the largest impulses of the step; writes
 //! impulses and velocities. A point bounces if it approached faster than a threshold and was pressed at any time. Its share
 //! of normal impulse allows friction its share too: over fall and rebound together Coulomb's bound is μ (1 + e) m v.
 //!
@@ -10,8 +10,8 @@
 //! surface; from there the velocity is taken ahead again. So a perfectly elastic ball neither gains nor loses height,
 //! whatever the step and wherever in it the ball hits.
 
-use crate::batch::Batches;
 use crate::block::{Block, Cold, load, load3, store};
+use crate::contacts::Contacts;
 use crate::iterate::rub;
 use crate::line::Columns;
 use crate::sweep::{BodyLanes, Rows, Visit, gather_drift, sweep};
@@ -24,18 +24,18 @@ const ROUNDS: usize = 4;
 /// Gives every point that hit its share of the approach velocity back. `threshold` in m/s, `gravity` in m/s², `h` the length
 /// of a sub-step in s.
 pub fn bounce(
-    batches: &mut Batches,
+    contacts: &mut Contacts,
     columns: &mut Columns<'_>,
     width: Width,
     threshold: f32,
     gravity: Vec3,
     h: f32,
 ) {
-    if batches.colds.is_empty() {
+    if contacts.colds.is_empty() {
         return;
     }
     let rows = Rows::new(columns);
-    sweep(batches, &rows, width, &Bounce { threshold, gravity, h });
+    sweep(contacts, &rows, width, &Bounce { threshold, gravity, h });
 }
 
 struct Bounce {

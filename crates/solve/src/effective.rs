@@ -7,9 +7,7 @@ use crate::block::{Block, load, load3, store, tangents};
 use crate::sweep::BodyLanes;
 use rockfall_math::lanes::{Lanes, Lanes3};
 
-/// Completes lanes that hold: 1 or 0 for a point in use or not, where the mass along the normal goes; the friction
-/// impulse in world axes, where the tangents' masses go; and the coefficient of twisting friction, where the limit of
-/// the twist impulse goes.
+/// Effective masses of lanes, along the normal where a point is in use: where the mass is not 0 yet.
 #[inline(always)]
 pub(crate) fn complete<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
@@ -25,15 +23,13 @@ pub(crate) fn complete<L: Lanes, const P: usize, const T: usize>(
     let (s, t) = tangents(token, n);
 
     let mut middle = Lanes3::new(zero, zero, zero);
-    let mut used = zero;
     for p in 0..P {
         let arm: Lanes3<L> = load3(token, &block.arms[p], k);
         middle = middle + arm;
         let (ca, cb) = (arm.cross(n), (arm - offset).cross(n));
         let compliance = inverse_mass + ca.dot(inertia_a.times(ca)) + cb.dot(inertia_b.times(cb));
-        let in_use = load(token, &block.masses[p], k);
-        used = used + in_use;
-        store(in_use * invert(token, compliance), &mut block.masses[p], k);
+        let in_use = zero.lt(load(token, &block.masses[p], k));
+        store(L::select(in_use, invert(token, compliance), zero), &mut block.masses[p], k);
     }
     let middle = middle.scale(L::splat(token, 1.0 / P as f32));
 
@@ -44,24 +40,11 @@ pub(crate) fn complete<L: Lanes, const P: usize, const T: usize>(
     let k12 = ta.dot(isa) + tb.dot(isb);
     let k22 = inverse_mass + ta.dot(inertia_a.times(ta)) + tb.dot(inertia_b.times(tb));
     let inverse = invert(token, k11 * k22 - k12 * k12);
-    let friction: Lanes3<L> = load3(token, &block.tangent_mass, k);
-    store(s.dot(friction), &mut block.tangent_impulse[0], k);
-    store(t.dot(friction), &mut block.tangent_impulse[1], k);
     store(k22 * inverse, &mut block.tangent_mass[0], k);
     store(-(k12 * inverse), &mut block.tangent_mass[1], k);
     store(k11 * inverse, &mut block.tangent_mass[2], k);
 
     for twist in 0..T {
-        let mut lever = zero;
-        for p in 0..P {
-            // Points that are not in use lie in the middle and add nothing.
-            let arm = load3(token, &block.arms[p], k) - middle;
-            lever = lever + arm.dot(arm).sqrt();
-        }
-        let lever = lever * invert(token, used);
-        let friction: L = load(token, &block.friction, k);
-        let twisting: L = load(token, &block.twist_limit[twist], k);
-        store(friction * lever + twisting, &mut block.twist_limit[twist], k);
         let compliance = n.dot(inertia_a.times(n)) + n.dot(inertia_b.times(n));
         store(invert(token, compliance), &mut block.twist_mass[twist], k);
     }

@@ -11,8 +11,8 @@
 //! The signed distance follows the drift to first order: s = s₀ + n · (Δp_b − Δp_a + Δθ_b × r_b − Δθ_a × r_a). For a ball
 //! that rolls this is exact; an edge that turns by Δθ errs by r Δθ² / 2, on the side of more room.
 
-use crate::batch::Batches;
 use crate::block::{Block, Cold, load, load3, store, tangents};
+use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
@@ -20,9 +20,9 @@ use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// One sweep over all contacts.
-pub fn iterate(batches: &mut Batches, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
+pub fn iterate(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
     let rows = Rows::new(columns);
-    sweep(batches, &rows, width, &Iterate { step: *step });
+    sweep(contacts, &rows, width, &Iterate { step: *step });
 }
 
 struct Iterate {

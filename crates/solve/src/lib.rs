@@ -1,30 +1,37 @@
 //! Contact solvers. They see rows of bodies, manifolds and memories, and know no shapes.
 //!
-//! A step paints the manifolds ([`paint`]) so that no body stands twice in a colour, cuts each colour into blocks of 16
-//! contacts ([`batch`]), and sweeps over the blocks. Within a colour the order of the contacts does not matter, so that
-//! neither the number of threads nor the number of lanes can change a bit of the result.
+//! Contacts live in blocks of sixteen ([`contacts`]) from the step in which they are found. A step colours the new ones ([`paint`]), so
+//! that no body stands twice in a colour, and sweeps over the blocks colour after colour. Within a colour the order of the
+//! contacts does not matter, so that neither the number of threads nor the number of lanes can change a bit of the result.
 
-pub mod batch;
 pub mod block;
 pub mod bounce;
+mod cold;
+pub mod contacts;
+pub mod desk;
 pub mod drift;
 mod effective;
-mod fill;
+pub mod follow;
 pub mod impulse;
 pub mod iterate;
 pub mod line;
 pub mod manifold;
 pub mod paint;
+mod plan;
 pub mod push;
 pub mod reflect;
 pub mod respond;
-mod shelve;
+mod shelf;
+mod single;
 pub mod soft;
-pub mod store;
 mod sweep;
+pub mod tally;
 pub mod warm;
 
-pub use batch::{Batches, Surface};
+pub use contacts::{Contacts, Entry};
+pub use desk::{Arrival, Desk};
 pub use line::{Columns, Drift, Line};
-pub use manifold::{Chunk, FIXED, Manifold, Memory, NO_COLOR, row_of};
+pub use manifold::{FIXED, Manifold, Memory, NO_COLOR, row_of};
+pub use shelf::Lane;
+pub use single::Surface;
 pub use soft::{Softness, SubStep};

@@ -72,12 +72,3 @@ impl Default for Memory {
         }
     }
 }
-
-/// Manifolds of a run of pairs, in the order of the pairs' keys, each with its memory.
-#[derive(Clone, Debug, Default)]
-pub struct Chunk {
-    /// Geometry.
-    pub manifolds: Vec<Manifold>,
-    /// Memory, row by row with `manifolds`.
-    pub memories: Vec<Memory>,
-}

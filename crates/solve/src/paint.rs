@@ -1,16 +1,18 @@
-//! Stage 6, **paint**: colours for the manifolds, so that within a colour no body that moves stands twice.
+//! Stage 6, **paint**: colours for contacts, so that within a colour no body that moves stands twice.
 //!
-//! Reads the manifolds and the colours in their memories; writes the colours that are missing. A manifold keeps its
-//! colour for as long as its pair touches. New ones are painted in rounds: a manifold whose hash is the largest at both of
+//! Reads the contacts that are new; writes their colours. A contact keeps its colour for as long as its pair touches, and each body
+//! knows which colours are taken at it: one set for contacts with bodies that move, one for those with others, which are swept
+//! separately. New ones are painted in rounds: a contact whose hash is the largest at both of
 //! its bodies takes the lowest colour that is free at both (Jones and Plassmann, "A Parallel Graph Coloring Heuristic",
 //! SIAM J. Sci. Comput. 14(3), 1993). Which colours come out depends on the keys of the pairs alone.
 //!
-//! A body with more neighbours than colours leaves some of its manifolds in the colour [`OVERFLOW`], whose contacts are
-//! solved one after the other, in the order of their keys. None is dropped.
+//! A body with more neighbours than colours leaves some of its contacts in the colour [`OVERFLOW`], which are
+//! solved one after the other, in the order of their rows. None is dropped.
 
-use crate::manifold::{Chunk, NO_COLOR, row_of};
+use crate::desk::Arrival;
+use crate::manifold::NO_COLOR;
 use rayon::prelude::*;
-use rockfall_math::hash::mix;
+use rockfall_math::hash::{combine, mix};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// Colours of manifolds that are solved in parallel.
@@ -28,150 +30,181 @@ fn stands_back(priority: u64, degree: u32) -> bool {
     degree > CROWD && priority < u64::MAX - u64::MAX / u64::from(degree) * u64::from(2 * COLORS)
 }
 
-/// A manifold between two bodies that move, still without a colour.
+/// A contact that has no colour yet.
 #[derive(Clone, Copy, Debug)]
 struct Blank {
     a: u32,
-    b: u32,
-    chunk: u32,
-    row: u32,
+    /// Where contacts move it.
+    b: Option<u32>,
+    /// Distinct for distinct contacts.
+    priority: u64,
+    group: u32,
+    index: u32,
 }
 
 impl Blank {
-    /// Distinct for distinct pairs.
-    fn priority(&self) -> u64 {
-        mix(u64::from(self.a) << 32 | u64::from(self.b))
+    fn new(arrival: &Arrival, group: usize, index: usize) -> Self {
+        let m = &arrival.manifold;
+        let key = u64::from(m.a) << 32 | u64::from(m.b);
+        let priority = if arrival.ordinal == 0 { mix(key) } else { combine(mix(key), arrival.ordinal.into()) };
+        let b = (!m.is_one_sided()).then_some(m.b);
+        Blank { a: m.a, b, priority, group: group as u32, index: index as u32 }
+    }
+
+    /// The bodies that contacts move.
+    fn rows(&self) -> impl Iterator<Item = usize> {
+        [Some(self.a), self.b].into_iter().flatten().map(|row| row as usize)
     }
 }
 
-/// Room for [`paint`] that is kept from step to step.
+/// Which colours are taken at each body, and room for [`Painter::paint`].
 #[derive(Debug, Default)]
-pub struct Painter {
-    /// Colours in use at each body.
-    masks: Vec<AtomicU64>,
-    /// Largest hash of the blank manifolds of each body.
+pub(crate) struct Painter {
+    /// By contacts between two bodies that move.
+    pairs: Vec<AtomicU64>,
+    /// By contacts with bodies that contacts can't move.
+    grounds: Vec<AtomicU64>,
+    /// Largest hash of the blank contacts of each body.
     tops: Vec<AtomicU64>,
-    /// Blank manifolds of each body.
+    /// Blank contacts of each body.
     degrees: Vec<AtomicU32>,
 }
 
 impl Painter {
     /// Bytes held.
-    pub fn memory(&self) -> usize {
-        (self.masks.capacity() + self.tops.capacity()) * size_of::<AtomicU64>()
+    pub(crate) fn memory(&self) -> usize {
+        (self.pairs.capacity() + self.grounds.capacity() + self.tops.capacity()) * size_of::<AtomicU64>()
             + self.degrees.capacity() * size_of::<AtomicU32>()
     }
-}
 
-/// Gives a colour below [`COLORS`], or [`OVERFLOW`], to every manifold between two bodies that move. `rows` is the number
-/// of bodies.
-pub fn paint(chunks: &mut [Chunk], rows: usize, painter: &mut Painter) {
-    let Painter { masks, tops, degrees } = painter;
-    degrees.clear();
-    degrees.resize_with(rows, AtomicU32::default);
-    masks.clear();
-    masks.resize_with(rows, AtomicU64::default);
-    tops.resize_with(rows, AtomicU64::default);
-    let masks = &masks[..];
-    let tops = &tops[..];
-    let degrees = &degrees[..];
-
-    let mut blanks: Vec<Blank> = chunks
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(|(chunk, content)| {
-            let Chunk { manifolds, memories } = content;
-            manifolds.iter().zip(memories).enumerate().filter_map(move |(row, (m, memory))| {
-                if m.is_one_sided() {
-                    return None;
-                }
-                if memory.color < COLORS {
-                    let bit = 1 << memory.color;
-                    masks[row_of(m.a)].fetch_or(bit, Relaxed);
-                    masks[row_of(m.b)].fetch_or(bit, Relaxed);
-                    return None;
-                }
-                degrees[row_of(m.a)].fetch_add(1, Relaxed);
-                degrees[row_of(m.b)].fetch_add(1, Relaxed);
-                Some(Blank { a: m.a, b: m.b, chunk: chunk as u32, row: row as u32 })
-            })
-        })
-        .collect();
-
-    let degree = |row: u32| degrees[row as usize].load(Relaxed);
-    blanks.retain(|blank| {
-        let crowded = [blank.a, blank.b].into_iter().any(|row| stands_back(blank.priority(), degree(row)));
-        if crowded {
-            chunks[blank.chunk as usize].memories[blank.row as usize].color = OVERFLOW;
+    /// Has place for so many bodies.
+    pub(crate) fn resize(&mut self, rows: usize) {
+        if self.pairs.len() == rows {
+            return;
         }
-        !crowded
-    });
+        self.pairs.resize_with(rows, AtomicU64::default);
+        self.grounds.resize_with(rows, AtomicU64::default);
+        self.tops.resize_with(rows, AtomicU64::default);
+        self.degrees.resize_with(rows, AtomicU32::default);
+    }
 
-    let mut painted: Vec<(Blank, u32)> = Vec::with_capacity(blanks.len());
-    while !blanks.is_empty() {
-        blanks.par_iter().for_each(|blank| {
-            tops[blank.a as usize].store(0, Relaxed);
-            tops[blank.b as usize].store(0, Relaxed);
-        });
-        blanks.par_iter().for_each(|blank| {
-            tops[blank.a as usize].fetch_max(blank.priority(), Relaxed);
-            tops[blank.b as usize].fetch_max(blank.priority(), Relaxed);
-        });
-        let winners: Vec<Option<u32>> = blanks
+    /// Knows of no contact, and has place for so many bodies.
+    pub(crate) fn clear(&mut self, rows: usize) {
+        self.resize(rows);
+        let all = self.pairs.par_iter_mut().chain(&mut self.grounds);
+        all.with_min_len(4096).for_each(|mask| *mask = AtomicU64::new(0));
+    }
+
+    fn masks(&self, a: u32, b: Option<u32>) -> impl Iterator<Item = &AtomicU64> {
+        let of_a = if b.is_some() { &self.pairs } else { &self.grounds };
+        [Some(&of_a[a as usize]), b.map(|b| &self.pairs[b as usize])].into_iter().flatten()
+    }
+
+    /// A colour is taken at a contact's bodies; b where contacts move it.
+    pub(crate) fn take(&self, color: u32, a: u32, b: Option<u32>) {
+        if color < COLORS {
+            self.masks(a, b).for_each(|mask| {
+                mask.fetch_or(1 << color, Relaxed);
+            });
+        }
+    }
+
+    /// A colour is free again.
+    pub(crate) fn free(&self, color: u32, a: u32, b: Option<u32>) {
+        if color < COLORS {
+            self.masks(a, b).for_each(|mask| {
+                mask.fetch_and(!(1 << color), Relaxed);
+            });
+        }
+    }
+
+    /// Gives a colour below [`COLORS`], or [`OVERFLOW`], to every contact that has none.
+    pub(crate) fn paint(&self, arrivals: &mut [Vec<Arrival>]) {
+        let blanks: Vec<Blank> = arrivals
             .par_iter()
-            .map(|blank| {
-                let (a, b) = (blank.a as usize, blank.b as usize);
-                let priority = blank.priority();
-                if tops[a].load(Relaxed) != priority || tops[b].load(Relaxed) != priority {
-                    return None;
-                }
-                // The only winner at both bodies: nobody else touches these two masks in this round.
-                let color = (masks[a].load(Relaxed) | masks[b].load(Relaxed)).trailing_ones();
-                if color < COLORS {
-                    masks[a].fetch_or(1 << color, Relaxed);
-                    masks[b].fetch_or(1 << color, Relaxed);
-                }
-                Some(color.min(OVERFLOW))
+            .enumerate()
+            .flat_map_iter(|(group, arrivals)| {
+                let blank = |arrival: &&Arrival| arrival.memory.color == NO_COLOR;
+                let numbered = (0..).zip(arrivals).filter(move |(_, arrival)| blank(&arrival));
+                numbered.map(move |(index, arrival)| Blank::new(arrival, group, index))
             })
             .collect();
-        painted.extend(blanks.iter().zip(&winners).filter_map(|(&blank, color)| Some((blank, (*color)?))));
-        // A body without a free colour can't lose its blanks one a round.
-        let mut rest = Vec::with_capacity(blanks.len());
-        for (blank, winner) in blanks.into_iter().zip(winners) {
-            if winner.is_some() {
-                continue;
+        let Painter { tops, degrees, .. } = self;
+        blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| degrees[row].store(0, Relaxed));
+        blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| {
+            degrees[row].fetch_add(1, Relaxed);
+        });
+        let (crowded, mut blanks): (Vec<Blank>, Vec<Blank>) = blanks
+            .into_par_iter()
+            .partition(|blank| blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed))));
+        let mut color = |blank: &Blank, color: u32| {
+            arrivals[blank.group as usize][blank.index as usize].memory.color = color;
+        };
+        crowded.iter().for_each(|blank| color(blank, OVERFLOW));
+
+        while !blanks.is_empty() {
+            blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| tops[row].store(0, Relaxed));
+            blanks.par_iter().for_each(|blank| {
+                blank.rows().for_each(|row| {
+                    tops[row].fetch_max(blank.priority, Relaxed);
+                });
+            });
+            let winners: Vec<Option<u32>> = blanks
+                .par_iter()
+                .map(|blank| {
+                    if blank.rows().any(|row| tops[row].load(Relaxed) != blank.priority) {
+                        return None;
+                    }
+                    // The only winner at its bodies: nobody else touches these masks in this round.
+                    let taken = self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed));
+                    let color = taken.trailing_ones().min(OVERFLOW);
+                    self.take(color, blank.a, blank.b);
+                    Some(color)
+                })
+                .collect();
+            // A body without a free colour can't lose its blanks one a round.
+            let full = |blank: &Blank| {
+                self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed)) == u64::MAX
+            };
+            let mut rest = Vec::with_capacity(blanks.len());
+            for (blank, winner) in blanks.into_iter().zip(winners) {
+                match winner {
+                    Some(found) => color(&blank, found),
+                    None if full(&blank) => color(&blank, OVERFLOW),
+                    None => rest.push(blank),
+                }
             }
-            let full = masks[blank.a as usize].load(Relaxed) | masks[blank.b as usize].load(Relaxed);
-            if full == u64::MAX {
-                painted.push((blank, OVERFLOW));
-            } else {
-                rest.push(blank);
-            }
+            blanks = rest;
         }
-        blanks = rest;
     }
-    for (blank, color) in painted {
-        chunks[blank.chunk as usize].memories[blank.row as usize].color = color;
-    }
-    debug_assert!(
-        chunks
-            .iter()
-            .flat_map(|c| c.manifolds.iter().zip(&c.memories))
-            .all(|(m, memory)| m.is_one_sided() || memory.color != NO_COLOR)
-    );
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifold::{Manifold, Memory};
+    use crate::manifold::{FIXED, Manifold, Memory};
+    use crate::shelf::Lane;
+    use crate::single::Surface;
+    use rockfall_math::Vec3;
     use std::collections::HashSet;
 
-    fn chunk(pairs: &[(u32, u32)]) -> Chunk {
-        Chunk {
-            manifolds: pairs.iter().map(|&(a, b)| Manifold { a, b, ..Manifold::default() }).collect(),
-            memories: vec![Memory::default(); pairs.len()],
-        }
+    fn arrivals(pairs: &[(u32, u32)]) -> Vec<Arrival> {
+        let one = |&(a, b): &(u32, u32)| Arrival {
+            manifold: Manifold { a, b, count: 1, ..Manifold::default() },
+            memory: Memory::default(),
+            surface: Surface::default(),
+            offset: Vec3::ZERO,
+            active: true,
+            ordinal: 0,
+            lane: Lane::NONE,
+        };
+        pairs.iter().map(one).collect()
+    }
+
+    fn painter(rows: usize) -> Painter {
+        let mut painter = Painter::default();
+        painter.resize(rows);
+        painter
     }
 
     fn random_pairs(n: u32, bodies: u64) -> Vec<(u32, u32)> {
@@ -184,30 +217,30 @@ mod tests {
         pairs
     }
 
-    fn colors(chunks: &[Chunk]) -> Vec<u32> {
-        chunks.iter().flat_map(|c| c.memories.iter().map(|m| m.color)).collect()
+    fn colors(groups: &[Vec<Arrival>]) -> Vec<u32> {
+        groups.iter().flatten().map(|arrival| arrival.memory.color).collect()
     }
 
     #[test]
     fn no_body_stands_twice_in_a_colour() {
         let pairs = random_pairs(20_000, 2_000);
-        let mut chunks = vec![chunk(&pairs)];
-        paint(&mut chunks, 2_001, &mut Painter::default());
+        let mut groups = vec![arrivals(&pairs)];
+        painter(2_001).paint(&mut groups);
         let mut seen = HashSet::new();
-        for (&(a, b), color) in pairs.iter().zip(colors(&chunks)) {
+        for (&(a, b), color) in pairs.iter().zip(colors(&groups)) {
             assert!(color < COLORS);
             assert!(seen.insert((a, color)) && seen.insert((b, color)));
         }
     }
 
     #[test]
-    fn colours_depend_on_neither_threads_nor_chunks() {
+    fn colours_depend_on_neither_threads_nor_groups() {
         let pairs = random_pairs(20_000, 2_000);
         let run = |threads: usize, size: usize| {
-            let mut chunks: Vec<Chunk> = pairs.chunks(size).map(chunk).collect();
+            let mut groups: Vec<Vec<Arrival>> = pairs.chunks(size).map(arrivals).collect();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| paint(&mut chunks, 2_001, &mut Painter::default()));
-            colors(&chunks)
+            pool.install(|| painter(2_001).paint(&mut groups));
+            colors(&groups)
         };
         assert_eq!(run(1, 100_000), run(3, 100));
     }
@@ -215,21 +248,33 @@ mod tests {
     #[test]
     fn a_hub_overflows_and_loses_nothing() {
         let pairs: Vec<(u32, u32)> = (2..5_002).map(|b| (1, b)).collect();
-        let mut chunks = vec![chunk(&pairs)];
-        paint(&mut chunks, 5_002, &mut Painter::default());
-        let colors = colors(&chunks);
+        let mut groups = vec![arrivals(&pairs)];
+        painter(5_002).paint(&mut groups);
+        let colors = colors(&groups);
         assert_eq!(colors.iter().filter(|&&c| c == OVERFLOW).count(), 5_000 - COLORS as usize);
         assert_eq!(colors.iter().filter(|&&c| c < COLORS).collect::<HashSet<_>>().len(), COLORS as usize);
     }
 
     #[test]
     fn colours_are_kept_and_freed_ones_used_again() {
-        let mut chunks = vec![chunk(&[(1, 2), (1, 3), (1, 4)])];
-        let mut painter = Painter::default();
-        paint(&mut chunks, 5, &mut painter);
-        let before = colors(&chunks);
-        chunks[0].memories[1].color = NO_COLOR;
-        paint(&mut chunks, 5, &mut painter);
-        assert_eq!(before, colors(&chunks));
+        let mut groups = vec![arrivals(&[(1, 2), (1, 3), (1, 4)])];
+        let painter = painter(5);
+        painter.paint(&mut groups);
+        let before = colors(&groups);
+        painter.free(before[1], 1, Some(3));
+        groups[0][1].memory.color = NO_COLOR;
+        painter.paint(&mut groups);
+        assert_eq!(before, colors(&groups));
+    }
+
+    #[test]
+    fn contacts_with_immovable_bodies_have_colours_of_their_own() {
+        let mut groups = vec![arrivals(&[(1, 2), (1, 3 | FIXED), (1, 4 | FIXED), (1, 4 | FIXED), (2, 4 | FIXED)])];
+        groups[0][3].ordinal = 1;
+        painter(5).paint(&mut groups);
+        let colors = colors(&groups);
+        let of_one: HashSet<u32> = colors[1..4].iter().copied().collect();
+        assert_eq!(of_one, HashSet::from([0, 1, 2]));
+        assert_eq!((colors[0], colors[4]), (0, 0));
     }
 }

@@ -1,7 +1,7 @@
 //! Stages 9 and 10: collision response, sub-step by sub-step, for each of the three solvers.
 
-use crate::batch::Batches;
 use crate::block::{Block, Cold, LANES, get3};
+use crate::contacts::Contacts;
 use crate::bounce::bounce;
 use crate::drift::drift;
 use crate::impulse::{contact_matrix, response};
@@ -45,7 +45,7 @@ impl Plan {
 /// The default solver: in each sub-step push, (warm,) solve, drift, relax; restitution once at the end. Returns the time
 /// that went into the sub-steps and into restitution.
 pub fn soft_step(
-    batches: &mut Batches,
+    contacts: &mut Contacts,
     columns: &mut Columns<'_>,
     width: Width,
     plan: &Plan,
@@ -64,14 +64,14 @@ pub fn soft_step(
     for i in 0..plan.substeps {
         push(columns, plan.gravity, h, i == 0);
         if i == 0 {
-            warm(batches, columns, width);
+            warm(contacts, columns, width);
         }
-        iterate(batches, columns, width, &step);
+        iterate(contacts, columns, width, &step);
         drift(columns, h);
-        iterate(batches, columns, width, &step.relaxing());
+        iterate(contacts, columns, width, &step.relaxing());
     }
     let solved = Instant::now();
-    bounce(batches, columns, width, plan.restitution_threshold, plan.gravity, h);
+    bounce(contacts, columns, width, plan.restitution_threshold, plan.gravity, h);
     [solved - start, solved.elapsed()]
 }
 
@@ -82,18 +82,18 @@ const ITERATIONS: u32 = 4;
 const SEPARATION: f32 = 0.3;
 
 /// The report's response B on every contact point: each sub-step is transformation over time, impulses, separation.
-pub fn impulse_step(batches: &mut Batches, columns: &mut Columns<'_>, plan: &Plan) -> [Duration; 2] {
-    simple_step(batches, columns, plan, &RespondImpulse)
+pub fn impulse_step(contacts: &mut Contacts, columns: &mut Columns<'_>, plan: &Plan) -> [Duration; 2] {
+    simple_step(contacts, columns, plan, &RespondImpulse)
 }
 
 /// The report's response A on every contact point. An object slower than gravity makes it in two sub-steps is stopped.
-pub fn reflect_step(batches: &mut Batches, columns: &mut Columns<'_>, plan: &Plan) -> [Duration; 2] {
+pub fn reflect_step(contacts: &mut Contacts, columns: &mut Columns<'_>, plan: &Plan) -> [Duration; 2] {
     let rest_speed = 2.0 * plan.gravity.length() * plan.h();
-    simple_step(batches, columns, plan, &RespondReflect { rest_speed })
+    simple_step(contacts, columns, plan, &RespondReflect { rest_speed })
 }
 
 fn simple_step<R: Respond>(
-    batches: &mut Batches,
+    contacts: &mut Contacts,
     columns: &mut Columns<'_>,
     plan: &Plan,
     respond: &R,
@@ -108,7 +108,7 @@ fn simple_step<R: Respond>(
         for iteration in 0..ITERATIONS {
             let rows = Rows::new(columns);
             let visit = Simple { respond, separate: iteration == 0 };
-            sweep(batches, &rows, Width::Scalar, &visit);
+            sweep(contacts, &rows, Width::Scalar, &visit);
         }
         forget(columns);
         push(columns, plan.gravity, half, false);

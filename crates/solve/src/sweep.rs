@@ -1,8 +1,10 @@
 //! Sweeps: one kernel over all blocks, colour after colour.
 
-use crate::batch::{Batches, Class, Span};
 use crate::block::{Block, Cold, LANES};
+use crate::contacts::Contacts;
 use crate::line::{Columns, Drift, Line};
+use crate::plan::{Part, Plan, Span, cold_of};
+use crate::shelf::{Class, Shelf};
 use rayon::prelude::*;
 use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Row, Width};
@@ -35,77 +37,103 @@ pub(crate) trait Visit: Sync {
     );
 }
 
-/// Runs `visit` over every block of `batches`, in their order.
-pub(crate) fn sweep<V: Visit>(batches: &mut Batches, rows: &Rows<'_>, width: Width, visit: &V) {
-    let Batches { one, two, four, colds, spans, layers, .. } = batches;
-    let shelves = Shelves {
-        one: DisjointRows::new(&mut one.blocks),
-        two: DisjointRows::new(&mut two.blocks),
-        four: DisjointRows::new(&mut four.blocks),
-        colds: DisjointRows::new(colds),
-    };
-    for layer in layers.iter() {
-        let spans = &spans[layer.spans.clone()];
-        if layer.serial {
-            for span in spans {
-                Width::Scalar.run(OverSpan { span, shelves: &shelves, rows, visit });
+/// Runs `visit` over every block, in the order of the plan.
+pub(crate) fn sweep<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
+    let (plan, shelves) = Shelves::open(contacts);
+    let over = |width: Width, spans| width.run(OverSpans { spans, shelves: &shelves, rows, visit });
+    for part in &plan.parts {
+        match part {
+            Part::Serial(spans) => over(Width::Scalar, spans),
+            Part::Layer(spans, blocks) => {
+                let spans = &plan.spans[spans.clone()];
+                if *blocks < WORTH_SHARING || rayon::current_num_threads() == 1 {
+                    over(width, spans);
+                } else {
+                    spans.par_chunks(1).with_max_len(1).for_each(|span| over(width, span));
+                }
             }
-        } else if layer.blocks < WORTH_SHARING || rayon::current_num_threads() == 1 {
-            for span in spans {
-                width.run(OverSpan { span, shelves: &shelves, rows, visit });
+            Part::Tiles(tiles) => {
+                tiles.par_iter().with_max_len(1).for_each(|spans| over(width, &plan.spans[spans.clone()]));
             }
-        } else {
-            spans
-                .par_iter()
-                .with_max_len(1)
-                .for_each(|span| width.run(OverSpan { span, shelves: &shelves, rows, visit }));
         }
     }
 }
 
+/// Runs `visit`, which writes no bodies, over every block in no order.
+pub(crate) fn over_all<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
+    let (plan, shelves) = Shelves::open(contacts);
+    let whole = plan.spans.par_chunks(4);
+    whole.for_each(|spans| width.run(OverSpans { spans, shelves: &shelves, rows, visit }));
+}
+
+/// The blocks of a class and the numbers of their cold halves.
+struct Blocks<'a, const P: usize, const T: usize> {
+    blocks: DisjointRows<'a, Block<P, T>>,
+    colds: &'a [u32],
+}
+
+impl<'a, const P: usize, const T: usize> Blocks<'a, P, T> {
+    fn new(shelf: &'a mut Shelf<P, T>) -> Self {
+        Blocks { blocks: DisjointRows::new(&mut shelf.blocks), colds: &shelf.colds }
+    }
+}
+
 struct Shelves<'a> {
-    one: DisjointRows<'a, Block<1, 0>>,
-    two: DisjointRows<'a, Block<2, 1>>,
-    four: DisjointRows<'a, Block<4, 1>>,
+    one: Blocks<'a, 1, 0>,
+    two: Blocks<'a, 2, 1>,
+    four: Blocks<'a, 4, 1>,
     colds: DisjointRows<'a, Cold>,
 }
 
-struct OverSpan<'a, 'b, V> {
-    span: &'a Span,
+impl<'a> Shelves<'a> {
+    fn open(contacts: &'a mut Contacts) -> (&'a Plan, Self) {
+        let Contacts { one, two, four, colds, plan, .. } = contacts;
+        let (one, two, four) = (Blocks::new(one), Blocks::new(two), Blocks::new(four));
+        (plan, Shelves { one, two, four, colds: DisjointRows::new(colds) })
+    }
+}
+
+struct OverSpans<'a, 'b, V> {
+    spans: &'a [Span],
     shelves: &'a Shelves<'b>,
     rows: &'a Rows<'b>,
     visit: &'a V,
 }
 
-impl<V: Visit> Kernel for OverSpan<'_, '_, V> {
+impl<V: Visit> Kernel for OverSpans<'_, '_, V> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self, token: L::Token) {
-        match self.span.class {
-            Class::One => self.over::<L, 1, 0>(token, &self.shelves.one),
-            Class::Two => self.over::<L, 2, 1>(token, &self.shelves.two),
-            Class::Four => self.over::<L, 4, 1>(token, &self.shelves.four),
+        for span in self.spans {
+            match span.class {
+                Class::One => self.over::<L, 1, 0>(token, span, &self.shelves.one),
+                Class::Two => self.over::<L, 2, 1>(token, span, &self.shelves.two),
+                Class::Four => self.over::<L, 4, 1>(token, span, &self.shelves.four),
+            }
         }
     }
 }
 
-impl<V: Visit> OverSpan<'_, '_, V> {
+impl<V: Visit> OverSpans<'_, '_, V> {
     #[inline(always)]
     fn over<L: Lanes, const P: usize, const T: usize>(
         &self,
         token: L::Token,
-        shelf: &DisjointRows<'_, Block<P, T>>,
+        span: &Span,
+        shelf: &Blocks<'_, P, T>,
     ) {
-        let span = self.span;
-        for i in span.from..span.to {
-            // SAFETY: spans don't share blocks, and each span is visited by one thread at a time.
-            let block = unsafe { shelf.row(i) };
-            // SAFETY: likewise; cold halves are numbered along the spans.
-            let mut cold = span.cold.map(|from| unsafe { self.shelves.colds.row(from + i - span.from) });
-            for k in (0..LANES).step_by(L::WIDTH) {
-                // Lanes are filled from the front; the first body of one in use is never the world.
-                if block.a[k] == 0 {
-                    break;
+        for i in span.from as usize..span.to as usize {
+            // SAFETY: spans don't share blocks but those of contacts that are solved one by one, and each span is visited by one thread
+            // at a time.
+            let block = unsafe { shelf.blocks.row(i) };
+            let cold = if span.cold { cold_of(shelf.colds, i) } else { None };
+            // SAFETY: likewise; every cold half belongs to one block.
+            let mut cold = cold.map(|cold| unsafe { self.shelves.colds.row(cold) });
+            let (from, to) = span.only.map_or((0, LANES), |k| (usize::from(k), usize::from(k) + 1));
+            for k in (from..to).step_by(L::WIDTH) {
+                // The first body of a lane in use is never the world.
+                if block.a[k..k + L::WIDTH].iter().all(|&a| a == 0) {
+                    continue;
                 }
                 self.visit.visit::<L, P, T>(token, self.rows, block, cold.as_deref_mut(), k, span.one_sided);
             }

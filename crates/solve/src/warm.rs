@@ -1,20 +1,20 @@
 //! Stage 9, **warm**: the impulses of the last step, applied at once.
 //!
-//! Reads the impulses that [`crate::batch`] took from memory; completes the blocks by what needs the bodies' inertia, which this
+//! Reads the impulses that [`crate::contacts`] took from memory; completes the blocks by what needs the bodies' inertia, which this
 //! sweep has at hand; writes velocities. One sweep per step: the later
 //! sub-steps start from the change of velocity that contacts made in the one before (see [`crate::push`]).
 
-use crate::batch::Batches;
 use crate::block::{Block, Cold, load, load3, tangents};
+use crate::contacts::Contacts;
 use crate::effective::complete;
 use crate::line::Columns;
 use crate::sweep::{BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses.
-pub fn warm(batches: &mut Batches, columns: &mut Columns<'_>, width: Width) {
+pub fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
     let rows = Rows::new(columns);
-    sweep(batches, &rows, width, &Warm);
+    sweep(contacts, &rows, width, &Warm);
 }
 
 struct Warm;

@@ -1,6 +1,6 @@
 //! Stage 1, **apply**: bodies that were added or removed since the last step take their places.
 //!
-//! Reads states and ids; writes all columns and the keys of all pairs. Rows are in a canonical order, so that nothing
+//! Reads states and ids; writes all columns, the keys of all pairs, and the order of contacts. Rows are in a canonical order, so that nothing
 //! depends on the order of the user's calls: new rows stand behind the old ones by id, and every [`SORT_EVERY`] steps
 //! all rows are sorted along the Hilbert curve, the immobile ones last: neighbours in space are neighbours in memory.
 
@@ -9,8 +9,7 @@ use crate::recall::ELSEWHERE;
 use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
-use rockfall_solve::batch::Batches;
-use rockfall_solve::row_of;
+use rockfall_solve::{Contacts, row_of};
 use rockfall_tree::{hilbert, morton::Grid};
 use std::collections::BTreeSet;
 
@@ -18,12 +17,11 @@ use std::collections::BTreeSet;
 const SORT_EVERY: u64 = 64;
 
 /// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step, `stirred` are the
-/// rows that were put somewhere else. The batches, which every step fills anew, give their room to the sort. Returns whether
-/// rows have moved or come.
+/// rows that were put somewhere else. Returns whether rows have moved or come.
 pub(crate) fn apply(
     bodies: &mut Bodies,
     touches: &mut Touches,
-    room: &mut Batches,
+    contacts: &mut Contacts,
     fresh: usize,
     stirred: &BTreeSet<u32>,
     step: u64,
@@ -53,13 +51,15 @@ pub(crate) fn apply(
     if order.len() == rows && order.iter().enumerate().all(|(i, &row)| i == row as usize) {
         return fresh > 0;
     }
-    *room = Batches::default();
     bodies.reorder(&order);
     let mut new_rows = vec![u32::MAX; rows];
     for (new, &old) in order.iter().enumerate() {
         new_rows[old as usize] = new as u32;
     }
-    touches.rename(&new_rows);
+    let entries = touches.rename(&new_rows);
+    let movers = bodies.kinds.par_iter().filter(|kind| **kind != crate::Kind::Static).count();
+    let lanes = contacts.sort(&entries, movers, bodies.rows());
+    touches.relocate(&lanes);
     true
 }
 

@@ -1,12 +1,12 @@
 //! Stage 7, **link**: islands of bodies that touch.
 //!
-//! Reads manifolds; writes the root of each body's island. Used for sleep alone: a pile that is one huge island is still
+//! Reads contacts; writes the root of each body's island. Used for sleep alone: a pile that is one huge island is still
 //! solved by all threads.
 
 use crate::bodies::Bodies;
 use rayon::prelude::*;
 use rockfall_solve::line::Role;
-use rockfall_solve::{Chunk, row_of};
+use rockfall_solve::{Contacts, FIXED, row_of};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Disjoint sets of rows. The root of a set is its smallest row, whatever the order in which sets were joined.
@@ -49,23 +49,21 @@ impl Islands {
 }
 
 /// Joins bodies that touch. A body on which a moving kinematic body acts is not at rest.
-pub(crate) fn link(islands: &mut Islands, bodies: &mut Bodies, chunks: &[Chunk]) {
+pub(crate) fn link(islands: &mut Islands, bodies: &mut Bodies, contacts: &Contacts) {
     islands.parents.clear();
     islands.parents.extend((0..bodies.rows() as u32).map(AtomicU32::new));
     let sets = &*islands;
     let driven = |row: usize| {
         bodies.roles[row] == Role::Driven && bodies.lines[row].motion[..6].iter().any(|&x| x != 0.0)
     };
-    let pushed: Vec<usize> = chunks
-        .par_iter()
-        .flat_map_iter(|chunk| {
-            chunk.manifolds.iter().filter_map(|m| {
-                if m.is_one_sided() {
-                    return driven(row_of(m.b)).then_some(row_of(m.a));
-                }
-                sets.join(m.a, m.b);
-                None
-            })
+    let pushed: Vec<usize> = contacts
+        .rows()
+        .filter_map(|(a, b)| {
+            if b & FIXED != 0 {
+                return driven(row_of(b)).then_some(a as usize);
+            }
+            sets.join(a, b);
+            None
         })
         .collect();
     for row in pushed {

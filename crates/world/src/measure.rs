@@ -8,7 +8,7 @@ use crate::{Kind, Settings, StepReport};
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
 use rockfall_math::{DVec3, Mat3, rotation};
-use rockfall_solve::Chunk;
+use rockfall_solve::Contacts;
 
 /// Rows in a partial sum.
 const RUN: usize = 1024;
@@ -23,19 +23,8 @@ struct Sums {
     angular: DVec3,
 }
 
-#[derive(Clone, Copy, Default)]
-struct ContactSums {
-    manifolds: usize,
-    touching: usize,
-    contacts: usize,
-    overlapping: usize,
-    /// Whole nanometres: a sum that does not know how contacts are grouped.
-    overlap: u64,
-    deepest: f32,
-}
-
 /// Fills in everything but times and counts that the caller knows.
-pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, chunks: &[Chunk], settings: &Settings) {
+pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, contacts: &Contacts, settings: &Settings) {
     let gravity = settings.gravity.as_dvec3();
     let partial: Vec<Sums> = (0..bodies.rows().div_ceil(RUN))
         .into_par_iter()
@@ -52,15 +41,7 @@ pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, chunks: &[Chunk]
         momentum: a.momentum + b.momentum,
         angular: a.angular + b.angular,
     });
-    let partial: Vec<ContactSums> = chunks.par_iter().map(contacts).collect();
-    let touch = partial.iter().fold(ContactSums::default(), |a, b| ContactSums {
-        manifolds: a.manifolds + b.manifolds,
-        touching: a.touching + b.touching,
-        contacts: a.contacts + b.contacts,
-        overlapping: a.overlapping + b.overlapping,
-        overlap: a.overlap.saturating_add(b.overlap),
-        deepest: a.deepest.max(b.deepest),
-    });
+    let touch = contacts.tally();
     report.bodies = all.bodies;
     report.awake = all.awake;
     report.kinetic_energy = all.kinetic;
@@ -94,20 +75,6 @@ fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
     sums.potential -= mass * f64::from(line.gravity_scale()) * gravity.dot(bodies.positions[row]);
     sums.momentum += v * mass;
     sums.angular += bodies.positions[row].cross(v * mass) + axes * spin;
-    sums
-}
-
-fn contacts(chunk: &Chunk) -> ContactSums {
-    let mut sums = ContactSums { manifolds: chunk.manifolds.len(), ..ContactSums::default() };
-    for m in &chunk.manifolds {
-        sums.contacts += m.count as usize;
-        sums.touching += usize::from(m.deepest() <= 0.0);
-        for &distance in m.distances[..m.count as usize].iter().filter(|&&d| d < 0.0) {
-            sums.overlapping += 1;
-            sums.overlap = sums.overlap.saturating_add((-1e9 * f64::from(distance)) as u64);
-            sums.deepest = sums.deepest.max(-distance);
-        }
-    }
     sums
 }
 

@@ -10,7 +10,7 @@ use crate::index::Index;
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
-use rockfall_solve::{Chunk, FIXED, row_of};
+use rockfall_solve::{FIXED, row_of};
 
 /// Rows that one thread searches at a time.
 const ROWS: usize = 256;
@@ -39,8 +39,7 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
     found.par_sort_unstable();
 
     if touches.runs.is_empty() {
-        touches.runs.push(Run { firsts: vec![0], ..Run::default() });
-        touches.chunks.push(Chunk::default());
+        touches.runs.push(Run::empty());
     }
     // A run takes what was found from its first key up to the first of the next.
     let first = |run: &Run| run.keys.first().copied().unwrap_or(0);

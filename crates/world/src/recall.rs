@@ -7,8 +7,7 @@
 
 use crate::Shape;
 use rockfall_collide::Cache;
-use rockfall_math::Vec3;
-use rockfall_solve::{Drift, Manifold};
+use rockfall_solve::Drift;
 
 /// Share of the smaller inner radius by which two bodies may move while their manifold only follows them.
 const LOOSE: f32 = 5e-3;
@@ -63,26 +62,10 @@ pub(crate) fn looseness(a: &Shape, b: &Shape) -> f32 {
     of(a).min(of(b))
 }
 
-/// Lets a manifold follow its bodies by their motion in the last step. `offset` leads from the centre of a to that of b,
-/// before that motion.
-pub(crate) fn follow(manifold: &mut Manifold, offset: Vec3, a: &Drift, b: &Drift) {
-    let (move_a, turn_a) = (a.translation(), a.rotation());
-    let (move_b, turn_b) = (b.translation(), b.rotation());
-    let normal = manifold.normal;
-    for p in 0..manifold.count as usize {
-        let arm = manifold.arms[p];
-        let of_a = turn_a.cross(arm);
-        let of_b = move_b - move_a + turn_b.cross(arm - offset);
-        manifold.distances[p] += normal.dot(of_b - of_a);
-        manifold.arms[p] = arm + 0.5 * (of_a + of_b);
-    }
-    manifold.normal = (normal + 0.5 * (turn_a + turn_b).cross(normal)).normalize();
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockfall_math::{Mat3, Quat, rotation};
+    use rockfall_math::Vec3;
 
     fn drift(translation: Vec3, rotation: Vec3) -> Drift {
         let mut drift = Drift::default();
@@ -107,30 +90,5 @@ mod tests {
         }
         assert_eq!(way(&Drift::default(), 1.0), 0);
         assert!(way(&drift(Vec3::splat(1e-12), Vec3::ZERO), 1.0) > 0);
-    }
-
-    /// Against the motion itself: a plane of b over points of a, both moved and turned a little.
-    #[test]
-    fn a_manifold_follows_to_first_order() {
-        let offset = Vec3::new(0.2, -0.1, 1.0);
-        let arms = [Vec3::new(0.5, 0.5, 0.5), Vec3::new(-0.5, 0.4, 0.5)];
-        let mut manifold = Manifold { count: 2, normal: Vec3::Z, ..Manifold::default() };
-        manifold.arms[..2].copy_from_slice(&arms);
-        let small = 1e-3;
-        let a = drift(small * Vec3::new(0.3, -0.2, 0.7), small * Vec3::new(0.5, 0.4, -0.6));
-        let b = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
-        follow(&mut manifold, offset, &a, &b);
-        let turned =
-            |d: &Drift| Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())));
-        for (p, &arm) in arms.iter().enumerate() {
-            let on_a = a.translation() + turned(&a) * arm;
-            let on_b = offset + b.translation() + turned(&b) * (arm - offset);
-            let gap = (on_b - on_a).dot(Vec3::Z);
-            assert!((manifold.distances[p] - gap).abs() < 5.0 * small * small, "{gap} {manifold:?}");
-            let middle = 0.5 * (on_a + on_b) - a.translation();
-            assert!((manifold.arms[p] - middle).length() < 5.0 * small * small);
-        }
-        let half = Quat::from_scaled_axis(0.5 * (a.rotation() + b.rotation()));
-        assert!((manifold.normal - half * Vec3::Z).length() < small * small);
     }
 }

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 /// The stages of a step, in their order; the index into [`StepReport::times`].
-pub const STAGES: [&str; 15] = [
-    "apply", "bound", "index", "pair", "touch", "paint", "link", "prepare", "solve", "bounce", "store",
-    "settle", "sweep", "sleep", "report",
+pub const STAGES: [&str; 14] = [
+    "apply", "bound", "index", "pair", "touch", "paint", "prepare", "link", "solve", "bounce", "settle",
+    "sweep", "sleep", "report",
 ];
 
 /// Figures of one step. Sums are over dynamic bodies.

@@ -1,97 +1,238 @@
 //! Stage 5, **touch**: collision detection: position, normal and signed distance of every contact.
 //!
-//! Reads pairs, poses and the last step's manifolds; writes manifolds in their place, each point with the impulse of the
-//! point of the same name in the last step. Pairs of which neither body moves are carried over. Threads share nothing: each
-//! takes whole runs of pairs.
+//! Reads pairs, poses and the motion of the last step; writes contacts. All of them follow their bodies; those whose pair has moved
+//! too far for that are found anew, each point with the impulse of the point of the same name. Pairs of which neither body moves are
+//! left alone. Threads share nothing: each takes whole runs of pairs, and a contact belongs to one pair.
 
 use crate::Shape;
 use crate::bodies::Bodies;
-use crate::recall::{Recall, follow, looseness};
+use crate::recall::{Recall, looseness};
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_collide::{Manifold as Local, collide};
 use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
-use rockfall_solve::{Chunk, Manifold, Memory, NO_COLOR, row_of};
+use rockfall_solve::{Arrival, Contacts, Desk, FIXED, Lane, Manifold, Memory, NO_COLOR, Surface, row_of};
 
-/// Finds all contacts. Returns the rows of bodies whose contact was not finite.
-pub(crate) fn touch(touches: &mut Touches, bodies: &Bodies, shapes: &[Shape]) -> Vec<usize> {
-    (&mut touches.runs, &mut touches.chunks)
-        .into_par_iter()
-        .map_init(Fresh::default, |fresh, (run, chunk)| {
-            if run.befores.is_empty() && run.keys.iter().all(|&key| at_rest(bodies, key)) {
-                return Vec::new();
+/// What changed in the contacts of a run.
+#[derive(Debug, Default)]
+pub(crate) struct Changes {
+    /// Number of the run.
+    run: usize,
+    /// Contacts that need a lane; those that have a colour keep it.
+    arrivals: Vec<Arrival>,
+    /// For each of them, its place among the lanes of the run.
+    slots: Vec<u32>,
+    /// Lanes that were cleared.
+    freed: Vec<Lane>,
+    /// Rows of bodies whose contact was not finite.
+    broken: Vec<usize>,
+}
+
+/// Finds the contacts of all pairs that have moved too far for their contacts to follow, and clears those of pairs that have ended.
+/// Returns what has to be coloured and given a lane: see [`color`] and [`settle_in`].
+pub(crate) fn touch(
+    touches: &mut Touches,
+    contacts: &mut Contacts,
+    bodies: &Bodies,
+    shapes: &[Shape],
+    surface: &(impl Fn(usize, usize) -> Surface + Sync),
+) -> Vec<Changes> {
+    let desk = contacts.desk(bodies.rows());
+    let look = Look { bodies, shapes, surface, desk: &desk };
+    touches
+        .runs
+        .par_iter_mut()
+        .enumerate()
+        .map_init(Fresh::default, |fresh, (number, run)| {
+            if run.is_current() && (0..run.keys.len()).all(|i| look.stays(run, run.keys[i], i as u32)) {
+                return None;
             }
-            let broken = fresh.find(run, chunk, bodies, shapes);
-            fresh.replace(run, chunk);
-            broken
+            let mut changes = Changes { run: number, ..Changes::default() };
+            fresh.find(run, &look, &mut changes);
+            fresh.replace(run);
+            changes.is_some().then_some(changes)
         })
         .flatten_iter()
         .collect()
 }
 
-/// A run's contacts of this step, before they take the place of the last step's.
+impl Changes {
+    fn is_some(&self) -> bool {
+        !(self.arrivals.is_empty() && self.freed.is_empty() && self.broken.is_empty())
+    }
+
+    /// Rows of bodies whose contact was not finite.
+    pub(crate) fn broken(changes: &[Changes]) -> Vec<usize> {
+        changes.iter().flat_map(|changes| changes.broken.iter().copied()).collect()
+    }
+}
+
+/// Gives every contact that arrived a colour.
+pub(crate) fn color(changes: &mut [Changes], contacts: &mut Contacts, rows: usize) {
+    let mut arrivals: Vec<Vec<Arrival>> = changes.iter_mut().map(|c| std::mem::take(&mut c.arrivals)).collect();
+    contacts.paint(&mut arrivals, rows);
+    changes.iter_mut().zip(arrivals).for_each(|(changes, arrivals)| changes.arrivals = arrivals);
+}
+
+/// Gives every contact that arrived a lane, and takes back those that were cleared.
+pub(crate) fn settle_in(changes: Vec<Changes>, touches: &mut Touches, contacts: &mut Contacts) {
+    changes.iter().for_each(|changes| contacts.free(&changes.freed));
+    let (places, mut arrivals): (Vec<_>, Vec<_>) =
+        changes.into_iter().map(|changes| ((changes.run, changes.slots), changes.arrivals)).unzip();
+    contacts.place(&mut arrivals);
+    for ((run, slots), arrivals) in places.iter().zip(&arrivals) {
+        let lanes = &mut touches.runs[*run].lanes;
+        slots.iter().zip(arrivals).for_each(|(&slot, arrival)| lanes[slot as usize] = arrival.lane);
+    }
+}
+
+/// What the contacts of a pair are found from.
+struct Look<'a, S> {
+    bodies: &'a Bodies,
+    shapes: &'a [Shape],
+    surface: &'a S,
+    desk: &'a Desk<'a>,
+}
+
+/// The columns of a run that is being brought up to date, before they take the place of the old ones.
 #[derive(Default)]
 struct Fresh {
-    chunk: Chunk,
     firsts: Vec<u32>,
     recalls: Vec<Recall>,
+    lanes: Vec<Lane>,
     locals: Vec<Local>,
+    olds: Vec<(Manifold, Memory)>,
+    goes_on: Vec<bool>,
+}
+
+impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
+    /// Whether what the pair at place `before` knows is still true enough, and its contacts are where they belong.
+    fn stays(&self, run: &Run, key: u64, before: u32) -> bool {
+        let contacts = run.contacts(before);
+        let first = run.lanes[contacts].first();
+        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+        if first.is_some_and(|lane| lane.is_parked() == self.is_active(key)) {
+            return false;
+        }
+        let bodies = self.bodies;
+        let margin = if first.is_none() { bodies.reaches[a] + bodies.reaches[b] } else { 0.0 };
+        let serves =
+            run.recalls[before as usize].left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin;
+        serves || at_rest(bodies, key)
+    }
+
+    /// Whether contacts move one of two bodies in this step.
+    fn is_active(&self, key: u64) -> bool {
+        let (a, b) = rows(key);
+        let free = |row: u32| self.bodies.roles[row_of(row)] == Role::Free;
+        free(a) || (b & FIXED == 0 && free(b))
+    }
 }
 
 impl Fresh {
     /// Finds the contacts of a run.
-    fn find(&mut self, run: &Run, before: &Chunk, bodies: &Bodies, shapes: &[Shape]) -> Vec<usize> {
-        let Fresh { chunk, firsts, recalls, locals } = self;
-        let mut broken = Vec::new();
+    fn find<S: Fn(usize, usize) -> Surface + Sync>(
+        &mut self,
+        run: &Run,
+        look: &Look<'_, S>,
+        changes: &mut Changes,
+    ) {
+        let mut next = 0;
         for (i, &key) in run.keys.iter().enumerate() {
-            firsts.push(chunk.manifolds.len() as u32);
-            let (a, b) = rows(key);
-            let place = run.before(i);
-            let (mut manifolds, mut memories, mut recall): (&[_], &[_], _) = (&[], &[], Recall::default());
-            if place != NEW {
-                let range = run.manifolds(place);
-                (manifolds, memories) = (&before.manifolds[range.clone()], &before.memories[range]);
-                recall = run.recalls[place as usize];
+            self.firsts.push(self.lanes.len() as u32);
+            let before = run.before(i);
+            if before == NEW {
+                self.meet(key, Recall::default(), &[], look, changes);
+                continue;
             }
-            if place != NEW && at_rest(bodies, key) {
-                chunk.manifolds.extend_from_slice(manifolds);
-                chunk.memories.extend_from_slice(memories);
-            } else if place != NEW && still_serves(&recall, bodies, key, manifolds) {
-                let (drift_a, drift_b) = (&bodies.drifts[a as usize], &bodies.drifts[row_of(b)]);
-                let moved = drift_b.translation() - drift_a.translation();
-                let offset = (bodies.positions[row_of(b)] - bodies.positions[a as usize]).as_vec3() - moved;
-                chunk.manifolds.extend(manifolds.iter().map(|&before| {
-                    let mut manifold = before;
-                    follow(&mut manifold, offset, drift_a, drift_b);
-                    manifold
-                }));
-                chunk.memories.extend_from_slice(memories);
+            // Pairs that stand between two that go on have ended.
+            end(run, next..before, look.desk, changes);
+            next = before + 1;
+            let (lanes, recall) = (&run.lanes[run.contacts(before)], run.recalls[before as usize]);
+            if look.stays(run, key, before) {
+                self.lanes.extend_from_slice(lanes);
+                self.recalls.push(recall);
             } else {
-                locals.clear();
-                meet(bodies, shapes, a as usize, row_of(b), &mut recall, locals);
-                for local in locals.iter() {
-                    if is_finite(local) {
-                        enter(chunk, bodies, a, b, local, (manifolds, memories));
-                    } else {
-                        broken.push(a as usize);
-                    }
-                }
+                self.meet(key, recall, lanes, look, changes);
             }
-            recalls.push(recall);
         }
-        firsts.push(chunk.manifolds.len() as u32);
-        broken
+        end(run, next..run.recalls.len() as u32, look.desk, changes);
+        self.firsts.push(self.lanes.len() as u32);
+    }
+
+    /// Finds the contacts of a pair anew, whose old ones are in `lanes`.
+    fn meet<S: Fn(usize, usize) -> Surface + Sync>(
+        &mut self,
+        key: u64,
+        mut recall: Recall,
+        lanes: &[Lane],
+        look: &Look<'_, S>,
+        changes: &mut Changes,
+    ) {
+        let (bodies, desk) = (look.bodies, look.desk);
+        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+        self.locals.clear();
+        meet(bodies, look.shapes, a, b, &mut recall, &mut self.locals);
+        self.recalls.push(recall);
+        self.olds.clear();
+        self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
+        // Of two manifolds that both know an old one the first goes on in its place.
+        self.goes_on.clear();
+        self.goes_on.resize(lanes.len(), false);
+        for (local, ordinal) in self.locals.iter().zip(0..) {
+            if !is_finite(local) {
+                changes.broken.push(a);
+                continue;
+            }
+            let (manifold, mut memory, source) = recognise(bodies, rows(key), local, &self.olds);
+            let source = source.filter(|&i| !self.goes_on[i]);
+            if let Some(i) = source {
+                self.goes_on[i] = true;
+                memory.color = self.olds[i].1.color;
+            }
+            let contact = Arrival {
+                manifold,
+                memory,
+                surface: (look.surface)(a, b),
+                offset: (bodies.positions[b] - bodies.positions[a]).as_vec3(),
+                active: look.is_active(key),
+                ordinal,
+                lane: source.map_or(Lane::NONE, |i| lanes[i]),
+            };
+            if source.is_none() || !desk.rewrite(&contact) {
+                if source.is_some() {
+                    desk.clear(contact.lane, false);
+                    changes.freed.push(contact.lane);
+                }
+                changes.slots.push(self.lanes.len() as u32);
+                changes.arrivals.push(Arrival { lane: Lane::NONE, ..contact });
+                self.lanes.push(Lane::NONE);
+            } else {
+                self.lanes.push(contact.lane);
+            }
+        }
+        for (&lane, _) in lanes.iter().zip(&self.goes_on).filter(|(_, goes_on)| !**goes_on) {
+            desk.clear(lane, true);
+            changes.freed.push(lane);
+        }
     }
 
     /// Puts what was found into the run and is empty again.
-    fn replace(&mut self, run: &mut Run, chunk: &mut Chunk) {
+    fn replace(&mut self, run: &mut Run) {
         run.befores = Vec::new();
         take(&mut self.firsts, &mut run.firsts);
         take(&mut self.recalls, &mut run.recalls);
-        take(&mut self.chunk.manifolds, &mut chunk.manifolds);
-        take(&mut self.chunk.memories, &mut chunk.memories);
+        take(&mut self.lanes, &mut run.lanes);
+    }
+}
+
+/// Gives back the lanes of pairs that have ended.
+fn end(run: &Run, pairs: std::ops::Range<u32>, desk: &Desk<'_>, changes: &mut Changes) {
+    for &lane in pairs.flat_map(|before| &run.lanes[run.contacts(before)]) {
+        desk.clear(lane, true);
+        changes.freed.push(lane);
     }
 }
 
@@ -119,13 +260,6 @@ fn rests(bodies: &Bodies, row: usize) -> bool {
     still && bodies.drifts[row].0.iter().all(|&x| x == 0.0)
 }
 
-/// Whether what a pair knows is still true enough.
-fn still_serves(recall: &Recall, bodies: &Bodies, key: u64, manifolds: &[Manifold]) -> bool {
-    let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
-    let margin = if manifolds.is_empty() { bodies.reaches[a] + bodies.reaches[b] } else { 0.0 };
-    recall.left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin
-}
-
 /// Runs the pair function.
 fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, recall: &mut Recall, out: &mut Vec<Local>) {
     let (Some(shape_a), Some(shape_b)) =
@@ -148,19 +282,18 @@ fn is_finite(local: &Local) -> bool {
 /// How far a point may have gone in a step to be taken for the same under a new name, as a share of its arm.
 const SAME: f32 = 0.05;
 
-/// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes.
+/// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes. Returns also of which manifold of
+/// the last step those are.
 ///
 /// Where two faces cover each other, as in a tower of equal boxes, rounding decides which corner or crossing of edges names
 /// a point, and names change from step to step. So a point without a namesake takes the impulse of the nearest point that
 /// has none either.
-fn enter(
-    chunk: &mut Chunk,
+fn recognise(
     bodies: &Bodies,
-    a: u32,
-    b: u32,
+    (a, b): (u32, u32),
     local: &Local,
-    (manifolds, memories): (&[Manifold], &[Memory]),
-) {
+    olds: &[(Manifold, Memory)],
+) -> (Manifold, Memory, Option<usize>) {
     let turn = Mat3::from_quat(bodies.rotations[a as usize]);
     let mut manifold =
         Manifold { a, b, count: local.count, normal: turn * local.normal, ..Manifold::default() };
@@ -171,13 +304,14 @@ fn enter(
         memory.features[p] = point.feature;
     }
     let namesake = |feature: u32, old: usize| {
-        memories[old].features[..manifolds[old].count as usize].iter().position(|&f| f == feature)
+        let (manifold, memory) = &olds[old];
+        memory.features[..manifold.count as usize].iter().position(|&f| f == feature)
     };
     let knows = |old: &usize| local.points().iter().any(|p| namesake(p.feature, *old).is_some());
     // A convex pair has one manifold, which goes on even where all of its points have new names.
-    let source = (0..memories.len()).find(knows).or((memories.len() == 1).then_some(0));
+    let source = (0..olds.len()).find(knows).or((olds.len() == 1).then_some(0));
     if let Some(i) = source {
-        let (before, old) = (&manifolds[i], &memories[i]);
+        let (before, old) = &olds[i];
         let (mut free_old, mut free_new) = ([true; 4], [true; 4]);
         for (p, point) in local.points().iter().enumerate() {
             if let Some(q) = namesake(point.feature, i) {
@@ -200,8 +334,6 @@ fn enter(
             }
         }
         (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
-        memory.color = old.color;
     }
-    chunk.manifolds.push(manifold);
-    chunk.memories.push(memory);
+    (manifold, memory, source)
 }

@@ -1,14 +1,13 @@
-//! The pairs of a world and their manifolds, in runs.
+//! The pairs of a world, in runs, and where their contacts are.
 //!
 //! All pairs, sorted by key, are cut into runs of some hundreds. A run owns everything that belongs to its pairs, so that
-//! it is brought up to date in its place, by one thread, beside all others: no second set of manifolds is held, and nothing
-//! is merged for the world as a whole. A run that has grown to twice its length is cut, neighbours that have shrunk are
+//! it is brought up to date in its place, by one thread, beside all others, and nothing is merged for the world as a whole. A run that has grown to twice its length is cut, neighbours that have shrunk are
 //! joined. Where the cuts lie follows from what happened before; nothing that is computed may depend on it.
 
 use crate::recall::Recall;
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
-use rockfall_solve::{Chunk, FIXED, Manifold, Memory, row_of};
+use rockfall_solve::{Entry, FIXED, Lane, row_of};
 
 /// Pairs in a run that was just cut. It may grow to twice as many.
 const RUN: usize = 256;
@@ -21,7 +20,7 @@ pub(crate) fn rows(key: u64) -> (u32, u32) {
     ((key >> 32) as u32, key as u32)
 }
 
-/// Neighbouring pairs; their manifolds are in the chunk of the same number.
+/// Neighbouring pairs.
 #[derive(Debug, Default)]
 pub(crate) struct Run {
     /// Row of body a in the upper half, of body b in the lower, ascending. Of two bodies that contacts move, a has the
@@ -29,20 +28,32 @@ pub(crate) struct Run {
     pub(crate) keys: Vec<u64>,
     /// Place of each pair in the columns below, or [`NEW`]; empty where the pairs are those that the columns have.
     pub(crate) befores: Vec<u32>,
-    /// First manifold of each pair in the chunk, and the number of all.
+    /// First of each pair among the lanes, and the number of all.
     pub(crate) firsts: Vec<u32>,
     /// What each pair remembers.
     pub(crate) recalls: Vec<Recall>,
+    /// Where the contacts of each pair are.
+    pub(crate) lanes: Vec<Lane>,
 }
 
 impl Run {
+    /// A run without pairs.
+    pub(crate) fn empty() -> Self {
+        Run { firsts: vec![0], ..Run::default() }
+    }
+
+    /// Whether the columns belong to the very pairs that the run has.
+    pub(crate) fn is_current(&self) -> bool {
+        self.befores.is_empty() && self.keys.len() == self.recalls.len()
+    }
+
     /// Place in the columns of the last step of pair `i`.
     pub(crate) fn before(&self, i: usize) -> u32 {
         if self.befores.is_empty() { i as u32 } else { self.befores[i] }
     }
 
-    /// Manifolds of the pair that was at `before`, as a range in the chunk.
-    pub(crate) fn manifolds(&self, before: u32) -> std::ops::Range<usize> {
+    /// Contacts of the pair that was at `before`, as a range of the lanes.
+    pub(crate) fn contacts(&self, before: u32) -> std::ops::Range<usize> {
         self.firsts[before as usize] as usize..self.firsts[before as usize + 1] as usize
     }
 
@@ -50,27 +61,21 @@ impl Run {
         self.keys.capacity() * size_of::<u64>()
             + (self.befores.capacity() + self.firsts.capacity()) * size_of::<u32>()
             + self.recalls.capacity() * size_of::<Recall>()
+            + self.lanes.capacity() * size_of::<Lane>()
     }
 }
 
-/// All pairs and manifolds.
+/// All pairs.
 #[derive(Debug, Default)]
 pub(crate) struct Touches {
-    /// Pairs.
+    /// In the order of their keys.
     pub(crate) runs: Vec<Run>,
-    /// Manifolds, run by run.
-    pub(crate) chunks: Vec<Chunk>,
 }
 
 impl Touches {
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
-        let chunk = |c: &Chunk| {
-            c.manifolds.capacity() * size_of::<Manifold>() + c.memories.capacity() * size_of::<Memory>()
-        };
-        self.chunks.iter().map(chunk).sum::<usize>()
-            + self.runs.iter().map(Run::memory).sum::<usize>()
-            + self.runs.capacity() * (size_of::<Run>() + size_of::<Chunk>())
+        self.runs.iter().map(Run::memory).sum::<usize>() + self.runs.capacity() * size_of::<Run>()
     }
 
     /// Number of pairs.
@@ -83,11 +88,16 @@ impl Touches {
         self.runs.iter().flat_map(|run| run.keys.iter().copied())
     }
 
+    /// Each contact's key and lane, in the order of the keys. Not between [`crate::pair`] and [`crate::touch`].
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = (u64, Lane)> + '_ {
+        self.runs.iter().flat_map(Run::entries)
+    }
+
     /// Whether the pair of a key is in contact, or about to be.
     pub(crate) fn has_manifold(&self, key: u64) -> bool {
         let run = self.runs.partition_point(|run| run.keys.first().is_some_and(|&first| first <= key));
         let Some(run) = run.checked_sub(1).map(|i| &self.runs[i]) else { return false };
-        run.keys.binary_search(&key).is_ok_and(|i| !run.manifolds(i as u32).is_empty())
+        run.keys.binary_search(&key).is_ok_and(|i| !run.contacts(i as u32).is_empty())
     }
 
     /// Cuts runs that have become long and joins those that have become short.
@@ -98,76 +108,80 @@ impl Touches {
         if !self.runs.iter().any(long) && !self.runs.windows(2).any(|pair| short(&pair[0], &pair[1])) {
             return;
         }
-        let old = std::mem::take(&mut self.runs).into_iter().zip(std::mem::take(&mut self.chunks));
-        for (run, chunk) in old {
-            match (self.runs.last_mut(), self.chunks.last_mut()) {
-                (Some(last), Some(of_last)) if !long(&run) && short(last, &run) => {
-                    join(last, of_last, run, chunk);
-                }
-                _ if long(&run) => {
-                    for (run, chunk) in cut(&run, &chunk) {
-                        self.runs.push(run);
-                        self.chunks.push(chunk);
-                    }
-                }
-                _ => {
-                    self.runs.push(run);
-                    self.chunks.push(chunk);
-                }
+        for run in std::mem::take(&mut self.runs) {
+            match self.runs.last_mut() {
+                Some(last) if !long(&run) && short(last, &run) => join(last, run),
+                _ if long(&run) => self.runs.extend(cut(&run)),
+                _ => self.runs.push(run),
             }
         }
     }
 
-    /// Follows the bodies to their new rows, `u32::MAX` for those that are gone. Column by column, so that only one of them
-    /// is there twice.
-    pub(crate) fn rename(&mut self, new_rows: &[u32]) {
-        let mut places: Vec<Place> = Vec::with_capacity(self.pairs());
-        for (number, run) in self.runs.iter_mut().enumerate() {
-            for (i, key) in std::mem::take(&mut run.keys).into_iter().enumerate() {
-                let (a, b) = rows(key);
-                let (new_a, new_b) = (new_rows[a as usize], new_rows[row_of(b)]);
-                if new_a != u32::MAX && new_b != u32::MAX {
-                    let key = u64::from(new_a) << 32 | u64::from(new_b | (b & FIXED));
-                    places.push(Place { key, run: number as u32, pair: i as u32 });
-                }
-            }
-        }
+    /// Follows the bodies to their new rows, `u32::MAX` for those that are gone. Returns every contact with its new rows.
+    /// Column by column, so that only one of them is there twice.
+    pub(crate) fn rename(&mut self, new_rows: &[u32]) -> Vec<Entry> {
+        let mut places: Vec<Place> = self
+            .runs
+            .par_iter_mut()
+            .enumerate()
+            .flat_map_iter(|(number, run)| {
+                let keys = std::mem::take(&mut run.keys);
+                keys.into_iter().zip(0..).filter_map(move |(key, pair)| {
+                    let key = renamed(key, new_rows)?;
+                    Some(Place { key, run: number as u32, pair })
+                })
+            })
+            .collect();
         places.par_sort_unstable_by_key(|place| place.key);
 
-        let Touches { runs, chunks } = self;
+        let runs = &self.runs;
+        let of = |place: &Place| &runs[place.run as usize];
         let keys = gather(&places, |place| [place.key]);
-        let recalls = gather(&places, |place| [runs[place.run as usize].recalls[place.pair as usize]]);
-        let manifolds = gather(&places, |place| {
-            let (a, b) = rows(place.key);
-            let range = runs[place.run as usize].manifolds(place.pair);
-            chunks[place.run as usize].manifolds[range].iter().map(move |&m| Manifold { a, b, ..m })
-        });
-        chunks.iter_mut().for_each(|chunk| chunk.manifolds = Vec::new());
-        let memories = gather(&places, |place| {
-            let range = runs[place.run as usize].manifolds(place.pair);
-            chunks[place.run as usize].memories[range].iter().copied()
-        });
-        let counts = gather(&places, |place| [runs[place.run as usize].manifolds(place.pair).len() as u32]);
-        let firsts = counts.into_iter().map(|counts| {
+        let recalls = gather(&places, |place| [of(place).recalls[place.pair as usize]]);
+        let lanes = gather(&places, |place| of(place).lanes[of(place).contacts(place.pair)].iter().copied());
+        let firsts = places.par_chunks(RUN).map(|places| {
             let mut first = 0;
-            let ends = counts.into_iter().map(|count| {
-                first += count;
+            let ends = places.iter().map(|place| {
+                first += of(place).contacts(place.pair).len() as u32;
                 first
             });
             std::iter::once(0).chain(ends).collect()
         });
-        *runs = keys
-            .into_iter()
-            .zip(recalls)
-            .zip(firsts)
-            .map(|((keys, recalls), firsts)| Run { keys, befores: Vec::new(), firsts, recalls })
+        let firsts: Vec<Vec<u32>> = firsts.collect();
+        drop(places);
+        self.runs = (keys, recalls, lanes, firsts)
+            .into_par_iter()
+            .map(|(keys, recalls, lanes, firsts)| Run { keys, befores: Vec::new(), firsts, recalls, lanes })
             .collect();
-        *chunks = manifolds
-            .into_iter()
-            .zip(memories)
-            .map(|(manifolds, memories)| Chunk { manifolds, memories })
-            .collect();
+        let entry = |(key, lane)| Entry { lane, a: rows(key).0, b: rows(key).1 };
+        self.runs.par_iter().flat_map_iter(|run| run.entries().map(entry)).collect()
     }
+
+    /// Moves every contact to the lane that it has now, in the order of [`Touches::rename`].
+    pub(crate) fn relocate(&mut self, lanes: &[Lane]) {
+        let mut rest = lanes;
+        for run in &mut self.runs {
+            let here;
+            (here, rest) = rest.split_at(run.lanes.len());
+            run.lanes.copy_from_slice(here);
+        }
+    }
+}
+
+impl Run {
+    /// Each contact's key and lane.
+    fn entries(&self) -> impl Iterator<Item = (u64, Lane)> + '_ {
+        (0_u32..)
+            .zip(&self.keys)
+            .flat_map(|(i, &key)| self.lanes[self.contacts(i)].iter().map(move |&lane| (key, lane)))
+    }
+}
+
+/// A key under new rows; nothing where one of them is gone.
+fn renamed(key: u64, new_rows: &[u32]) -> Option<u64> {
+    let (a, b) = rows(key);
+    let (new_a, new_b) = (new_rows[a as usize], new_rows[row_of(b)]);
+    (new_a != u32::MAX && new_b != u32::MAX).then(|| u64::from(new_a) << 32 | u64::from(new_b | (b & FIXED)))
 }
 
 /// Where a pair comes from, and its new key.
@@ -191,9 +205,9 @@ fn gather<T: Send, I: IntoIterator<Item = T>>(
     places.par_chunks(RUN).map(column).collect()
 }
 
-/// Appends a run and its chunk to those before it.
-fn join(last: &mut Run, of_last: &mut Chunk, mut run: Run, mut chunk: Chunk) {
-    let (pairs, manifolds) = (last.recalls.len() as u32, of_last.manifolds.len() as u32);
+/// Appends a run to the one before it.
+fn join(last: &mut Run, mut run: Run) {
+    let (pairs, contacts) = (last.recalls.len() as u32, last.lanes.len() as u32);
     for run in [&mut *last, &mut run] {
         if run.befores.is_empty() {
             run.befores = (0..run.keys.len() as u32).collect();
@@ -203,40 +217,34 @@ fn join(last: &mut Run, of_last: &mut Chunk, mut run: Run, mut chunk: Chunk) {
     last.keys.append(&mut run.keys);
     last.befores.extend(run.befores.into_iter().map(moved));
     last.firsts.pop();
-    last.firsts.extend(run.firsts.into_iter().map(|first| first + manifolds));
+    last.firsts.extend(run.firsts.into_iter().map(|first| first + contacts));
     last.recalls.append(&mut run.recalls);
-    of_last.manifolds.append(&mut chunk.manifolds);
-    of_last.memories.append(&mut chunk.memories);
+    last.lanes.append(&mut run.lanes);
 }
 
-/// Cuts a run and its chunk into runs of equal length.
-fn cut(run: &Run, chunk: &Chunk) -> Vec<(Run, Chunk)> {
+/// Cuts a run into runs of equal length.
+fn cut(run: &Run) -> Vec<Run> {
     let pieces = run.keys.len().div_ceil(RUN);
     let start = |piece: usize| piece * run.keys.len() / pieces;
-    // Where the last step's pairs are cut: at the first that goes on in a piece or behind it.
+    // Where the last step's pairs are cut: at the first that goes on in a piece; those that have ended go with the piece before.
     let mut old_start = vec![run.recalls.len() as u32; pieces + 1];
-    for piece in (0..pieces).rev() {
+    for piece in (1..pieces).rev() {
         let first = (start(piece)..start(piece + 1)).map(|i| run.before(i)).find(|&before| before != NEW);
         old_start[piece] = first.unwrap_or(old_start[piece + 1]);
     }
+    old_start[0] = 0;
     (0..pieces)
-        .into_par_iter()
         .map(|piece| {
             let (pairs, old) = (start(piece)..start(piece + 1), old_start[piece]..old_start[piece + 1]);
-            let first = |i: u32| run.firsts.get(i as usize).copied().unwrap_or_default();
-            let manifolds = first(old.start) as usize..first(old.end) as usize;
+            let first = |i: u32| run.firsts[i as usize];
             let shifted = |before: u32| if before == NEW { NEW } else { before - old.start };
-            let piece = Run {
+            Run {
                 keys: run.keys[pairs.clone()].to_vec(),
                 befores: pairs.map(|i| shifted(run.before(i))).collect(),
                 firsts: (old.start..=old.end).map(|i| first(i) - first(old.start)).collect(),
                 recalls: run.recalls[old.start as usize..old.end as usize].to_vec(),
-            };
-            let content = Chunk {
-                manifolds: chunk.manifolds[manifolds.clone()].to_vec(),
-                memories: chunk.memories[manifolds].to_vec(),
-            };
-            (piece, content)
+                lanes: run.lanes[first(old.start) as usize..first(old.end) as usize].to_vec(),
+            }
         })
         .collect()
 }
@@ -244,62 +252,74 @@ fn cut(run: &Run, chunk: &Chunk) -> Vec<(Run, Chunk)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockfall_solve::Contacts;
 
-    /// A run of pairs with these keys, each with `count(key)` manifolds whose body a is the key.
-    fn run_of(keys: &[u64], count: impl Fn(u64) -> usize) -> (Run, Chunk) {
-        let (mut run, mut chunk) = (Run { keys: keys.to_vec(), ..Run::default() }, Chunk::default());
+    /// Lanes that can be told apart.
+    fn lanes(count: usize) -> Vec<Lane> {
+        let mut contacts = Contacts::default();
+        let manifold = rockfall_solve::Manifold { a: 1, b: 2, count: 1, ..Default::default() };
+        let arrival = rockfall_solve::Arrival {
+            manifold,
+            memory: rockfall_solve::Memory { color: 0, ..Default::default() },
+            surface: rockfall_solve::Surface::default(),
+            offset: rockfall_math::Vec3::ZERO,
+            active: true,
+            ordinal: 0,
+            lane: Lane::NONE,
+        };
+        let mut arrivals = vec![vec![arrival; count]];
+        contacts.place(&mut arrivals);
+        arrivals[0].iter().map(|arrival| arrival.lane).collect()
+    }
+
+    /// A run of pairs with these keys, each with `count(key)` contacts, whose lanes are the next ones.
+    fn run_of(keys: &[u64], lanes: &mut impl Iterator<Item = Lane>, count: impl Fn(u64) -> usize) -> Run {
+        let mut run = Run { keys: keys.to_vec(), ..Run::empty() };
         for &key in keys {
-            run.firsts.push(chunk.manifolds.len() as u32);
             run.recalls.push(Recall { mark: key as u32, ..Recall::default() });
-            for _ in 0..count(key) {
-                chunk.manifolds.push(Manifold { a: key as u32, ..Manifold::default() });
-                chunk.memories.push(Memory { color: key as u32, ..Memory::default() });
-            }
+            run.lanes.extend(lanes.take(count(key)));
+            run.firsts.push(run.lanes.len() as u32);
         }
-        run.firsts.push(chunk.manifolds.len() as u32);
-        (run, chunk)
+        run
     }
 
-    fn touches_of(runs: Vec<(Run, Chunk)>) -> Touches {
-        let (runs, chunks) = runs.into_iter().unzip();
-        Touches { runs, chunks }
-    }
-
-    /// A key, and what its pair finds of itself: mark and manifolds.
-    type Found = (u64, Option<(u32, Vec<u32>)>);
+    /// A key, and what its pair finds of itself: mark and lanes.
+    type Found = (u64, Option<(u32, Vec<Lane>)>);
 
     fn found(touches: &Touches) -> Vec<Found> {
-        let of = |run: &Run, chunk: &Chunk, i: usize| {
+        let of = |run: &Run, i: usize| {
             let before = run.before(i);
-            (before != NEW).then(|| {
-                let names = chunk.manifolds[run.manifolds(before)].iter().map(|m| m.a).collect();
-                (run.recalls[before as usize].mark, names)
-            })
+            let lanes = |before| run.lanes[run.contacts(before)].to_vec();
+            (before != NEW).then(|| (run.recalls[before as usize].mark, lanes(before)))
         };
-        let pairs = touches.runs.iter().zip(&touches.chunks);
-        pairs.flat_map(|(r, c)| (0..r.keys.len()).map(move |i| (r.keys[i], of(r, c, i)))).collect()
+        touches.runs.iter().flat_map(|r| (0..r.keys.len()).map(move |i| (r.keys[i], of(r, i)))).collect()
     }
 
     #[test]
     fn cutting_and_joining_lose_nothing() {
-        // Every third pair is new, every fifth of the old ones has ended; manifolds come in threes, none to two.
+        let all = lanes(3000);
+        // Every third pair is new, every fifth of the old ones has ended; contacts come in threes, none to two.
         let old: Vec<u64> = (0..2000).filter(|k| k % 3 != 0).collect();
-        let (mut run, chunk) = run_of(&old, |key| key as usize % 3);
+        let mut run = run_of(&old, &mut all.iter().copied(), |key| key as usize % 3);
         let now: Vec<u64> = (0..2000).filter(|k| k % 3 == 0 || k % 5 != 0).collect();
         run.befores = now.iter().map(|k| old.binary_search(k).map_or(NEW, |i| i as u32)).collect();
         run.keys = now;
-        let mut touches = touches_of(vec![(run, chunk)]);
+        let before = run.lanes.clone();
+        let mut touches = Touches { runs: vec![run] };
         let whole = found(&touches);
         touches.balance();
         assert!(touches.runs.len() > 4 && touches.runs.iter().all(|run| run.keys.len() <= RUN));
-        assert_eq!(touches.runs.len(), touches.chunks.len());
         assert_eq!(found(&touches), whole);
+        // Contacts of pairs that have ended are still there, to be given back.
+        assert_eq!(touches.runs.iter().flat_map(|run| run.lanes.clone()).collect::<Vec<_>>(), before);
 
-        let parts: Vec<_> = whole.chunks(50).map(|c| c.iter().map(|(k, _)| *k).collect::<Vec<_>>()).collect();
-        let mut touches = touches_of(parts.iter().map(|keys| run_of(keys, |key| key as usize % 3)).collect());
-        let whole = found(&touches);
+        let mut all = all.into_iter();
+        let parts = whole.chunks(50).map(|c| c.iter().map(|(k, _)| *k).collect::<Vec<_>>());
+        let runs: Vec<Run> = parts.map(|keys| run_of(&keys, &mut all, |key| key as usize % 3)).collect();
+        let mut touches = Touches { runs };
+        let (whole, parts) = (found(&touches), touches.runs.len());
         touches.balance();
-        assert!(touches.runs.len() < parts.len() / 3);
+        assert!(touches.runs.len() < parts / 3);
         assert_eq!(found(&touches), whole);
         assert!(touches.keys().is_sorted() && touches.pairs() == whole.len());
         assert!(touches.has_manifold(4) && !touches.has_manifold(6) && !touches.has_manifold(10_000));
@@ -309,13 +329,18 @@ mod tests {
     fn pairs_follow_their_rows() {
         let key = |a: u64, b: u64| a << 32 | b;
         let keys = [key(1, 2), key(1, 3), key(2, 3), key(3, u64::from(4 | FIXED))];
-        let mut touches = touches_of(vec![run_of(&keys[..2], |_| 1), run_of(&keys[2..], |_| 1)]);
-        touches.rename(&[0, 3, u32::MAX, 1, 2]);
+        let all = lanes(6);
+        let mut next = all.iter().copied();
+        let runs = vec![run_of(&keys[..2], &mut next, |_| 1), run_of(&keys[2..], &mut next, |_| 1)];
+        let mut touches = Touches { runs };
+        let entries = touches.rename(&[0, 3, u32::MAX, 1, 2]);
         let keys: Vec<u64> = touches.keys().collect();
         assert_eq!(keys, [key(1, u64::from(2 | FIXED)), key(3, 1)]);
         let words: Vec<u32> = touches.runs[0].recalls.iter().map(|recall| recall.mark).collect();
         assert_eq!(words, [4 | FIXED, 3]);
-        let rows: Vec<_> = touches.chunks[0].manifolds.iter().map(|m| (m.a, m.b)).collect();
-        assert_eq!(rows, [(1, 2 | FIXED), (3, 1)]);
+        let entries: Vec<_> = entries.iter().map(|e| (e.a, e.b, e.lane)).collect();
+        assert_eq!(entries, [(1, 2 | FIXED, all[3]), (3, 1, all[1])]);
+        touches.relocate(&[all[4], all[5]]);
+        assert_eq!(touches.contacts().map(|(_, lane)| lane).collect::<Vec<_>>(), [all[4], all[5]]);
     }
 }

@@ -13,8 +13,7 @@ use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
 use rockfall_math::lanes::Width;
 use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::MassProperties;
-use rockfall_solve::Batches;
-use rockfall_solve::paint::Painter;
+use rockfall_solve::Contacts;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, OnceLock};
 
@@ -101,9 +100,8 @@ pub struct World {
     stirred: BTreeSet<u32>,
     index: Index,
     touches: Touches,
-    painter: Painter,
+    contacts: Contacts,
     islands: Islands,
-    batches: Batches,
     moved: Vec<bool>,
     report: StepReport,
 }
@@ -136,9 +134,8 @@ impl World {
             stirred: BTreeSet::new(),
             index: Index::default(),
             touches: Touches::default(),
-            painter: Painter::default(),
+            contacts: Contacts::default(),
             islands: Islands::default(),
-            batches: Batches::default(),
             moved: Vec::new(),
             report: StepReport::default(),
         })

@@ -3,6 +3,7 @@
 use super::{Contact, ShapeId, World};
 use crate::bodies::State;
 use crate::measure;
+use crate::touches::rows;
 use crate::{BodyId, Error, Kind, Shape, StepReport};
 use rockfall_math::{DVec3, Pose, Quat, Vec3};
 use rockfall_solve::row_of;
@@ -121,8 +122,12 @@ impl World {
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let id = |marked: u32| BodyId(self.bodies.ids[row_of(marked)]);
         let whole = |row: u32| self.bodies.states[row_of(row)] != State::Dead;
-        let manifolds = self.touches.chunks.iter().flat_map(|c| c.manifolds.iter().zip(&c.memories));
-        manifolds.filter(move |(m, _)| whole(m.a) && whole(m.b)).flat_map(move |(m, memory)| {
+        let pairs = self.touches.contacts().filter(move |&(key, _)| {
+            let (a, b) = rows(key);
+            whole(a) && whole(b)
+        });
+        pairs.flat_map(move |(_, lane)| {
+            let (m, memory) = self.contacts.read(lane);
             // Bodies have moved since the contact was found; the arms are those of the start of the step.
             let row = row_of(m.a);
             let start = self.bodies.positions[row] - self.bodies.drifts[row].translation().as_dvec3();
@@ -148,9 +153,8 @@ impl World {
         self.bodies.memory()
             + self.index.memory()
             + self.touches.memory()
-            + self.painter.memory()
             + self.islands.memory()
-            + self.batches.memory()
+            + self.contacts.memory()
             + self.moved.capacity()
             + self.rows.capacity() * (size_of::<(u64, u32)>() + 1)
     }

@@ -11,15 +11,13 @@ use crate::pair::pair;
 use crate::settle::settle;
 use crate::sleep::sleep;
 use crate::sweep::{Surroundings, sweep};
-use crate::touch::touch;
+use crate::touch::{Changes, color, settle_in, touch};
 use crate::{Material, STAGES, Settings, Solver, StepReport};
 use rockfall_math::Vec3;
 use rockfall_solve::Surface;
-use rockfall_solve::batch::Bodies as SolverBodies;
+use rockfall_solve::follow::follow;
 use rockfall_solve::line::Role;
-use rockfall_solve::paint::paint;
 use rockfall_solve::respond::{Plan, impulse_step, reflect_step, soft_step};
-use rockfall_solve::store::store;
 use std::time::{Duration, Instant};
 
 impl World {
@@ -32,10 +30,10 @@ impl World {
 
     fn stages(&mut self) {
         let World { settings, width, shapes, materials, bodies, index: trees, touches, .. } = self;
-        let World { painter, islands, batches, moved, report, .. } = self;
+        let World { islands, contacts, moved, report, .. } = self;
         let mut clock = Clock::new();
 
-        let renamed = apply(bodies, touches, batches, self.fresh, &self.stirred, report.step);
+        let renamed = apply(bodies, touches, contacts, self.fresh, &self.stirred, report.step);
         if renamed {
             self.rows.clear();
             self.rows.extend(bodies.ids.iter().copied().zip(0..).skip(1));
@@ -52,34 +50,30 @@ impl World {
         clock.lap();
         pair(touches, bodies, trees, moved);
         clock.lap();
-        let broken = touch(touches, bodies, shapes);
-        report.frozen += freeze(bodies, &broken);
-        clock.lap();
-        paint(&mut touches.chunks, bodies.rows(), painter);
-        clock.lap();
-        if settings.sleeping {
-            link(islands, bodies, &touches.chunks);
-        }
-        clock.lap();
-
-        let roles = &bodies.roles;
-        let active = |row: usize| roles[row] == Role::Free;
+        follow(contacts, &mut bodies.solver_columns(), *width);
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
-        let seen = SolverBodies { lines: &bodies.lines, positions: &bodies.positions };
-        batches.prepare(&touches.chunks, seen, active, surface);
+        let mut changes = touch(touches, contacts, bodies, shapes, &surface);
+        report.frozen += freeze(bodies, &Changes::broken(&changes));
+        clock.lap();
+        color(&mut changes, contacts, bodies.rows());
+        clock.lap();
+        settle_in(changes, touches, contacts);
+        contacts.prepare(&bodies.lines);
+        clock.lap();
+        if settings.sleeping {
+            link(islands, bodies, contacts);
+        }
         clock.lap();
         let plan = plan(settings);
         let mut columns = bodies.solver_columns();
         let [solve_time, bounce_time] = match settings.solver {
-            Solver::SoftStep => soft_step(batches, &mut columns, *width, &plan),
-            Solver::Impulse => impulse_step(batches, &mut columns, &plan),
-            Solver::Reflect => reflect_step(batches, &mut columns, &plan),
+            Solver::SoftStep => soft_step(contacts, &mut columns, *width, &plan),
+            Solver::Impulse => impulse_step(contacts, &mut columns, &plan),
+            Solver::Reflect => reflect_step(contacts, &mut columns, &plan),
         };
         clock.add(solve_time);
         clock.add(bounce_time);
-        store(batches, &mut touches.chunks);
-        clock.lap();
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
@@ -94,8 +88,8 @@ impl World {
         report.step += 1;
         report.time = report.step as f64 / f64::from(settings.rate);
         report.pairs = touches.pairs();
-        report.colors = batches.colors();
-        measure(report, bodies, &touches.chunks, settings);
+        report.colors = contacts.colors();
+        measure(report, bodies, contacts, settings);
         clock.lap();
         report.times = clock.times();
     }

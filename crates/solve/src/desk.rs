@@ -1,0 +1,365 @@
+//! Contacts read and written one by one, by many threads at once.
+//!
+//! Threads that bring manifolds up to date have lanes of their own, but these lie between one another's. So words are read
+//! and written as atomics, in no order: that costs nothing, and a mistake would give a wrong contact, not undefined behaviour.
+
+use crate::block::{Cold, LANES};
+use crate::manifold::{Manifold, Memory, row_of};
+use crate::paint::{OVERFLOW, Painter};
+use crate::shelf::{Class, HOT, Key, Lane, Phase, Shelf, TILE};
+use crate::single::{COLD_WORDS, ColdSingle, Single, Surface, words};
+use rockfall_math::Vec3;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// A contact that was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrival {
+    /// What was found.
+    pub manifold: Manifold,
+    /// What was known of it.
+    pub memory: Memory,
+    /// How its two surfaces rub and bounce.
+    pub surface: Surface,
+    /// From the centre of mass of a to that of b, metres.
+    pub offset: Vec3,
+    /// Whether contacts move one of its bodies in this step.
+    pub active: bool,
+    /// Distinct for the manifolds of one pair.
+    pub ordinal: u32,
+    /// Where it is; [`Lane::NONE`] until it has a place.
+    pub lane: Lane,
+}
+
+impl Arrival {
+    /// Where it belongs, having a colour.
+    pub(crate) fn key(&self, tiled: bool) -> Key {
+        let m = &self.manifold;
+        let color = self.memory.color;
+        let (phase, tile) = place_of(m, color, self.active, tiled);
+        Key::new(phase, tile, color, Class::of(m.count), self.surface.is_cold(m.count))
+    }
+}
+
+/// When a manifold has its turn, and in which tile.
+pub(crate) fn place_of(m: &Manifold, color: u32, active: bool, tiled: bool) -> (Phase, u32) {
+    let tile = |row: u32| if tiled { (row_of(row) / TILE) as u32 } else { 0 };
+    let last = color == OVERFLOW;
+    match (active, m.is_one_sided()) {
+        (false, false) => (Phase::Parked, 0),
+        (false, true) => (Phase::ParkedGround, 0),
+        (true, _) if last => (if m.is_one_sided() { Phase::Ground } else { Phase::Between }, Key::NO_TILE),
+        (true, true) => (Phase::Ground, tile(m.a)),
+        (true, false) if tiled && tile(m.a) == tile(m.b) => (Phase::Inner, tile(m.a)),
+        (true, false) => (Phase::Between, 0),
+    }
+}
+
+/// A table of blocks as words: word w of lane l of row i is number `(i * width + w) * LANES + l`.
+struct Words<'a> {
+    words: &'a [AtomicU32],
+    /// Words of a lane.
+    width: usize,
+}
+
+impl<'a> Words<'a> {
+    /// `table` has rows of `width` columns of [`LANES`] numbers of 32 bits, and nothing else.
+    fn new<B: Copy + 'a>(table: &'a mut [B], width: usize) -> Self {
+        assert_eq!(size_of::<B>(), width * LANES * size_of::<u32>());
+        let len = table.len() * width * LANES;
+        // SAFETY: an exclusive borrow of plain numbers of 32 bits, as many as `len`, becomes a shared one of atomics of the same size
+        // and alignment, for as long.
+        let words = unsafe { std::slice::from_raw_parts(table.as_mut_ptr().cast::<AtomicU32>(), len) };
+        Words { words, width }
+    }
+
+    fn lane(&self, block: usize, lane: usize) -> impl Iterator<Item = &AtomicU32> {
+        let start = block * self.width * LANES;
+        self.words[start..start + self.width * LANES][lane..].iter().step_by(LANES)
+    }
+}
+
+/// A shelf, open for many threads.
+struct Open<'a, const P: usize, const T: usize> {
+    blocks: Words<'a>,
+    names: Words<'a>,
+    keys: &'a [Key],
+    colds: &'a [u32],
+}
+
+impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
+    fn new(shelf: &'a mut Shelf<P, T>) -> Self {
+        let Shelf { blocks, names, keys, colds } = shelf;
+        Open { blocks: Words::new(blocks, words::<P, T>()), names: Words::new(names, P + 1), keys, colds }
+    }
+
+    fn get(&self, at: Lane) -> Single<P, T> {
+        let mut single = Single::IDLE;
+        let mut words = self.blocks.lane(at.block(), at.lane()).map(|word| word.load(Relaxed));
+        single.a = words.next().unwrap_or_default();
+        single.b = words.next().unwrap_or_default();
+        single.numbers().zip(words).for_each(|(x, word)| *x = f32::from_bits(word));
+        single
+    }
+
+    fn put(&self, at: Lane, mut single: Single<P, T>) {
+        let mut words = self.blocks.lane(at.block(), at.lane());
+        for (row, word) in [single.a, single.b].into_iter().zip(words.by_ref()) {
+            word.store(row, Relaxed);
+        }
+        single.numbers().zip(words).for_each(|(x, word)| word.store(x.to_bits(), Relaxed));
+    }
+
+    fn put_names(&self, at: Lane, features: &[u32; 4], count: u32) {
+        let words = self.names.lane(at.block(), at.lane());
+        words.zip(features[..P].iter().chain([&count])).for_each(|(word, &x)| word.store(x, Relaxed));
+    }
+}
+
+/// All lanes, open for many threads that have each their own.
+pub struct Desk<'a> {
+    one: Open<'a, 1, 0>,
+    two: Open<'a, 2, 1>,
+    four: Open<'a, 4, 1>,
+    colds: Words<'a>,
+    painter: &'a Painter,
+    tiled: bool,
+}
+
+impl<'a> Desk<'a> {
+    pub(crate) fn new(
+        (one, two, four): (&'a mut Shelf<1, 0>, &'a mut Shelf<2, 1>, &'a mut Shelf<4, 1>),
+        colds: &'a mut [Cold],
+        painter: &'a Painter,
+        tiled: bool,
+    ) -> Self {
+        let colds = Words::new(colds, COLD_WORDS);
+        Desk { one: Open::new(one), two: Open::new(two), four: Open::new(four), colds, painter, tiled }
+    }
+
+    pub(crate) fn key(&self, at: Lane) -> Key {
+        let keys = match at.class() {
+            Class::One => self.one.keys,
+            Class::Two => self.two.keys,
+            Class::Four => self.four.keys,
+        };
+        keys[at.block()]
+    }
+
+    /// What a lane holds.
+    pub fn read(&self, at: Lane) -> (Manifold, Memory) {
+        match at.class() {
+            Class::One => self.take(&self.one, at),
+            Class::Two => self.take(&self.two, at),
+            Class::Four => self.take(&self.four, at),
+        }
+    }
+
+    fn take<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, at: Lane) -> (Manifold, Memory) {
+        let mut names = [0; 5];
+        let words = shelf.names.lane(at.block(), at.lane());
+        names.iter_mut().zip(words).for_each(|(x, word)| *x = word.load(Relaxed));
+        let key = shelf.keys[at.block()];
+        let (manifold, mut memory) = shelf.get(at).manifold(names[P] as usize, key.is_one_sided());
+        memory.features[..P].copy_from_slice(&names[..P]);
+        memory.color = key.color();
+        if key.is_cold() {
+            let mut cold = ColdSingle::default();
+            let words = self.colds.lane(shelf.colds[at.block()] as usize, at.lane());
+            cold.numbers().zip(words).for_each(|(x, word)| *x = f32::from_bits(word.load(Relaxed)));
+            memory.rolling = Vec3::from_array(cold.rolling_impulse);
+            memory.twist += cold.twist_impulse;
+        }
+        (manifold, memory)
+    }
+
+    /// Writes a contact to its lane if it belongs there; otherwise tells so.
+    pub fn rewrite(&self, contact: &Arrival) -> bool {
+        let stays = self.key(contact.lane) == contact.key(self.tiled);
+        if stays {
+            self.write(contact);
+        }
+        stays
+    }
+
+    /// Writes a contact to its lane.
+    pub(crate) fn write(&self, contact: &Arrival) {
+        match contact.lane.class() {
+            Class::One => self.enter(&self.one, contact),
+            Class::Two => self.enter(&self.two, contact),
+            Class::Four => self.enter(&self.four, contact),
+        }
+    }
+
+    fn enter<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, contact: &Arrival) {
+        let Arrival { manifold, memory, surface, offset, lane: at, .. } = contact;
+        shelf.put(*at, Single::new(manifold, memory, surface, *offset));
+        shelf.put_names(*at, &memory.features, manifold.count);
+        self.put_cold(shelf.colds[at.block()], *at, ColdSingle::new(memory, surface, manifold.count));
+    }
+
+    fn put_cold(&self, number: u32, at: Lane, mut cold: ColdSingle) {
+        if number != HOT {
+            let words = self.colds.lane(number as usize, at.lane());
+            cold.numbers().zip(words).for_each(|(x, word)| word.store(x.to_bits(), Relaxed));
+        }
+    }
+
+    /// Empties a lane; the caller hands it in with [`crate::Contacts::free`]. `ends` tells that the contact does not go on elsewhere
+    /// with its colour.
+    pub fn clear(&self, at: Lane, ends: bool) {
+        let key = self.key(at);
+        let [a, b] = match at.class() {
+            Class::One => self.leave(&self.one, at),
+            Class::Two => self.leave(&self.two, at),
+            Class::Four => self.leave(&self.four, at),
+        };
+        if ends {
+            self.painter.free(key.color(), a, (!key.is_one_sided()).then_some(b));
+        }
+    }
+
+    /// Empties a lane and returns the two rows that it held.
+    fn leave<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, at: Lane) -> [u32; 2] {
+        let Single { a, b, .. } = shelf.get(at);
+        shelf.put(at, Single::IDLE);
+        shelf.put_names(at, &[0; 4], 0);
+        self.put_cold(shelf.colds[at.block()], at, ColdSingle::default());
+        [a, b]
+    }
+
+    /// Copies a contact with all that belongs to it to a lane of the same class on another desk, under new rows.
+    pub(crate) fn copy(&self, from: Lane, to: &Desk<'_>, at: Lane, rows: [u32; 2]) {
+        match from.class() {
+            Class::One => self.move_to(&self.one, from, &to.one, to, at, rows),
+            Class::Two => self.move_to(&self.two, from, &to.two, to, at, rows),
+            Class::Four => self.move_to(&self.four, from, &to.four, to, at, rows),
+        }
+    }
+
+    fn move_to<const P: usize, const T: usize>(
+        &self,
+        shelf: &Open<'_, P, T>,
+        from: Lane,
+        other: &Open<'_, P, T>,
+        desk: &Desk<'_>,
+        at: Lane,
+        [a, b]: [u32; 2],
+    ) {
+        let copy = |(to, from): (&AtomicU32, &AtomicU32)| to.store(from.load(Relaxed), Relaxed);
+        let lanes = |here: &Words<'_>, there: &Words<'_>, [row, new_row]: [usize; 2]| {
+            there.lane(new_row, at.lane()).zip(here.lane(row, from.lane())).for_each(copy);
+        };
+        lanes(&shelf.blocks, &other.blocks, [from.block(), at.block()]);
+        lanes(&shelf.names, &other.names, [from.block(), at.block()]);
+        let words = other.blocks.lane(at.block(), at.lane());
+        words.zip([a, b]).for_each(|(word, row)| word.store(row, Relaxed));
+        let [old, new] = [shelf.colds[from.block()], other.colds[at.block()]];
+        if old != HOT && new != HOT {
+            lanes(&self.colds, &desk.colds, [old as usize, new as usize]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contacts::{Contacts, Entry};
+    use crate::manifold::FIXED;
+    use std::collections::HashSet;
+
+    /// A contact of `count` points with numbers that can be told apart.
+    fn arrival(a: u32, b: u32, count: u32, color: u32, cold: bool) -> Arrival {
+        let x = a as f32;
+        let point = |p: usize| Vec3::new(x, p as f32, -x);
+        let mut memory =
+            Memory { friction: Vec3::new(x, 2.0, 0.0), twist: if count > 1 { x } else { 0.0 }, color, ..Memory::default() };
+        let mut manifold = Manifold { a, b, count, normal: Vec3::Z, ..Manifold::default() };
+        for p in 0..count as usize {
+            (manifold.arms[p], manifold.distances[p]) = (point(p), -x - p as f32);
+            (memory.features[p], memory.normals[p]) = (a * 10 + p as u32, x + p as f32);
+        }
+        let rolling = if cold { 0.1 } else { 0.0 };
+        memory.rolling = Vec3::splat(x * rolling);
+        let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
+        Arrival { manifold, memory, surface, offset: Vec3::ONE, active: true, ordinal: 0, lane: Lane::NONE }
+    }
+
+    fn all() -> Vec<Arrival> {
+        let kind = |i: u32| (1 + i % 4, i % 3, i % 5 == 0);
+        (1..200)
+            .map(|i| {
+                let (count, color, cold) = kind(i);
+                let fixed = if i % 7 == 0 { FIXED } else { 0 };
+                Arrival { active: i % 11 != 0, ..arrival(i, (i + 300) | fixed, count, color, cold) }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn what_is_written_is_read_by_all_readers() {
+        let mut contacts = Contacts::default();
+        let mut arrivals = vec![all()];
+        contacts.place(&mut arrivals);
+        let lanes: HashSet<Lane> = arrivals[0].iter().map(|arrival| arrival.lane).collect();
+        assert_eq!(lanes.len(), arrivals[0].len());
+        for contact in &arrivals[0] {
+            let whole = (contact.manifold, contact.memory);
+            assert_eq!(contacts.read(contact.lane), whole);
+            assert_eq!(contacts.desk(600).read(contact.lane), whole);
+            assert_eq!(contact.lane.is_parked(), !contact.active);
+        }
+        let tally = contacts.tally();
+        assert_eq!((tally.manifolds, tally.touching), (199, 199));
+        assert_eq!(tally.contacts, arrivals[0].iter().map(|a| a.manifold.count as usize).sum::<usize>());
+    }
+
+    #[test]
+    fn a_contact_is_rewritten_only_where_it_belongs() {
+        let mut contacts = Contacts::default();
+        let mut arrivals = vec![vec![arrival(1, 2, 3, 0, false)]];
+        contacts.place(&mut arrivals);
+        let old = arrivals[0][0];
+        let mut new = Arrival { lane: old.lane, ..arrival(1, 2, 4, 0, false) };
+        let desk = contacts.desk(3);
+        assert!(desk.rewrite(&new));
+        assert_eq!(desk.read(old.lane).0, new.manifold);
+        for other in [arrival(1, 2, 2, 0, false), arrival(1, 2, 4, 1, false), arrival(1, 2, 4, 0, true)] {
+            assert!(!desk.rewrite(&Arrival { lane: old.lane, ..other }));
+        }
+        new.active = false;
+        assert!(!desk.rewrite(&new));
+        assert_eq!(desk.read(old.lane).0, new.manifold);
+        desk.clear(old.lane, true);
+        contacts.free(&[old.lane]);
+        assert_eq!(contacts.tally().manifolds, 0);
+        let mut again = vec![vec![arrival(1, 3, 4, 0, false)]];
+        contacts.place(&mut again);
+        assert_eq!(again[0][0].lane, old.lane);
+    }
+
+    #[test]
+    fn sorting_keeps_contacts_and_gives_them_their_new_rows() {
+        let mut contacts = Contacts::default();
+        let mut arrivals = vec![all()];
+        contacts.place(&mut arrivals);
+        let kept: Vec<&Arrival> = arrivals[0].iter().filter(|a| a.manifold.a % 13 != 0).rev().collect();
+        let moved = |row: u32| row + 1000;
+        let entries: Vec<Entry> = kept
+            .iter()
+            .map(|contact| Entry { lane: contact.lane, a: moved(contact.manifold.a), b: moved(contact.manifold.b) })
+            .collect();
+        // Rows enough for tiles.
+        let lanes = contacts.sort(&entries, 100_000, 100_000);
+        assert_eq!(contacts.tally().manifolds, kept.len());
+        for (contact, &lane) in kept.iter().zip(&lanes) {
+            let m = &contact.manifold;
+            let manifold = Manifold { a: moved(m.a), b: moved(m.b), ..*m };
+            assert_eq!(contacts.read(lane), (manifold, contact.memory));
+        }
+        let mut more = vec![vec![arrival(1, 5000, 4, 0, false), arrival(1, 3, 4, 0, false)]];
+        contacts.place(&mut more);
+        let desk = contacts.desk(100_000);
+        assert_eq!(desk.key(more[0][0].lane).phase(), Phase::Between);
+        assert_eq!(desk.key(more[0][1].lane).phase(), Phase::Inner);
+    }
+}

@@ -1,0 +1,166 @@
+//! Stage 5, **touch**: contacts follow their bodies.
+//!
+//! Reads the motion of the last step; writes arms, normals, signed distances, and friction impulses along the turned tangents. To
+//! first order in that motion: a point keeps its place on both surfaces, half-way between them. What is found anew afterwards is overwritten.
+
+use crate::block::{Block, Cold, Column3, load, load3, store, tangents};
+use crate::contacts::Contacts;
+use crate::line::Columns;
+use crate::sweep::{Rows, Visit, gather_drift, over_all};
+use rockfall_math::Vec3;
+use rockfall_math::lanes::{Lanes, Lanes3, Width};
+
+/// Lets all contacts follow their bodies.
+pub fn follow(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
+    let rows = Rows::new(columns);
+    over_all(contacts, &rows, width, &Follow);
+}
+
+struct Follow;
+
+impl Visit for Follow {
+    #[inline(always)]
+    fn visit<L: Lanes, const P: usize, const T: usize>(
+        &self,
+        token: L::Token,
+        rows: &Rows<'_>,
+        block: &mut Block<P, T>,
+        _: Option<&mut Cold>,
+        k: usize,
+        _: bool,
+    ) {
+        let zero = L::splat(token, 0.0);
+        let half = L::splat(token, 0.5);
+        let (move_a, turn_a) = gather_drift::<L>(token, rows, &block.a, k);
+        let (move_b, turn_b) = gather_drift::<L>(token, rows, &block.b, k);
+        let moved = move_b - move_a;
+        let before: Lanes3<L> = load3(token, &block.normal, k);
+        let offset = load3(token, &block.offset, k);
+        let gap = open::<L, P, T>(token, block, k);
+        let (from_b, back) = (offset + before.scale(gap), before.scale(half * gap));
+
+        let turned = (turn_a + turn_b).scale(half).cross(before);
+        let normal = before + turned;
+        let normal = normal.scale(L::splat(token, 1.0) / normal.dot(normal).sqrt());
+        let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
+        for (p, to) in arms.iter_mut().enumerate() {
+            let arm = load3(token, &block.arms[p], k) + back;
+            let of_a = turn_a.cross(arm);
+            let of_b = moved + turn_b.cross(arm - from_b);
+            let used = zero.lt(load(token, &block.masses[p], k));
+            let distance = load::<L>(token, &block.distances[p], k);
+            let followed = distance + before.dot(of_b - of_a);
+            store(L::select(used, followed, distance), &mut block.distances[p], k);
+            *to = arm + (of_a + of_b).scale(half);
+        }
+        let gap = open::<L, P, T>(token, block, k);
+        for (p, arm) in arms.into_iter().enumerate() {
+            store3(arm - normal.scale(half * gap), &mut block.arms[p], k);
+        }
+        store3(from_b + moved - normal.scale(gap), &mut block.offset, k);
+        store3(normal, &mut block.normal, k);
+
+        let (s, t) = tangents(token, before);
+        let friction = s.scale(load(token, &block.tangent_impulse[0], k))
+            + t.scale(load(token, &block.tangent_impulse[1], k));
+        let (s, t) = tangents(token, normal);
+        store(s.dot(friction), &mut block.tangent_impulse[0], k);
+        store(t.dot(friction), &mut block.tangent_impulse[1], k);
+    }
+}
+
+/// The mean gap of the points in use, 0 where bodies touch; see [`crate::single`].
+#[inline(always)]
+fn open<L: Lanes, const P: usize, const T: usize>(token: L::Token, block: &Block<P, T>, k: usize) -> L {
+    let zero = L::splat(token, 0.0);
+    let one = L::splat(token, 1.0);
+    let (mut sum, mut count) = (zero, zero);
+    for p in 0..P {
+        let used = L::select(zero.lt(load(token, &block.masses[p], k)), one, zero);
+        sum = sum + used * load(token, &block.distances[p], k);
+        count = count + used;
+    }
+    (sum / count.max(one)).max(zero)
+}
+
+/// Writes `WIDTH` vectors from lane `k` on.
+#[inline(always)]
+fn store3<L: Lanes>(v: Lanes3<L>, columns: &mut Column3, k: usize) {
+    for (column, x) in columns.iter_mut().zip([v.x, v.y, v.z]) {
+        store(x, column, k);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desk::Arrival;
+    use crate::line::{Drift, Line, Role};
+    use crate::manifold::{Manifold, Memory};
+    use crate::shelf::Lane;
+    use crate::single::Surface;
+    use rockfall_math::{Mat3, Quat, rotation};
+
+    fn drift(translation: Vec3, rotation: Vec3) -> Drift {
+        let mut drift = Drift::default();
+        drift.set(translation, rotation);
+        drift
+    }
+
+    /// Against the motion itself: a plane of b over points of a, both moved and turned a little; one pair that touches and one with a
+    /// gap.
+    #[test]
+    fn a_contact_follows_to_first_order_at_every_width() {
+        let offset = Vec3::new(0.2, -0.1, 1.0);
+        let arms = [Vec3::new(0.5, 0.5, 0.5), Vec3::new(-0.5, 0.4, 0.5), Vec3::ZERO, Vec3::ZERO];
+        let small = 1e-3;
+        let a = drift(small * Vec3::new(0.3, -0.2, 0.7), small * Vec3::new(0.5, 0.4, -0.6));
+        let b = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
+        let friction = Vec3::new(0.3, -0.4, 0.0);
+        for (width, start) in Width::all().into_iter().flat_map(|width| [(width, 0.0), (width, 0.01)]) {
+            let mut contacts = Contacts::default();
+            let manifold =
+                Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [start, start, 0.0, 0.0] };
+            let memory = Memory { color: 0, friction, ..Memory::default() };
+            let mut arrivals = vec![vec![Arrival {
+                manifold,
+                memory,
+                surface: Surface::default(),
+                offset,
+                active: true,
+                ordinal: 0,
+                lane: Lane::NONE,
+            }]];
+            contacts.place(&mut arrivals);
+            let mut lines = vec![Line::default(); 3];
+            contacts.prepare(&lines);
+            let mut columns = Columns {
+                lines: &mut lines,
+                drifts: &mut [Drift::default(), a, b],
+                references: &mut [[0.0; 8]; 3],
+                rotations: &mut [Quat::IDENTITY; 3],
+                frames: &[Quat::IDENTITY; 3],
+                inverse_moments: &[Vec3::ONE; 3],
+                dampings: &[[0.0; 2]; 3],
+                roles: &[Role::Free; 3],
+                locks: &[0; 3],
+            };
+            follow(&mut contacts, &mut columns, width);
+            let (manifold, memory) = contacts.read(arrivals[0][0].lane);
+            let turned = |d: &Drift| {
+                Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())))
+            };
+            for (p, &arm) in arms.iter().enumerate().take(2) {
+                let on_a = a.translation() + turned(&a) * arm;
+                let on_b = offset + b.translation() + turned(&b) * (arm - offset);
+                let gap = start + (on_b - on_a).dot(Vec3::Z);
+                assert!((manifold.distances[p] - gap).abs() < 5.0 * small * small, "{gap} {manifold:?}");
+                let middle = 0.5 * (on_a + on_b) - a.translation();
+                assert!((manifold.arms[p] - middle).length() < 5.0 * small * small);
+            }
+            let half = Quat::from_scaled_axis(0.5 * (a.rotation() + b.rotation()));
+            assert!((manifold.normal - half * Vec3::Z).length() < small * small);
+            assert!((memory.friction - half * friction).length() < 2.0 * small * friction.length());
+        }
+    }
+}
