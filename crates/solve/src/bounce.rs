@@ -14,6 +14,7 @@ use crate::block::{Block, Cold, load, load3, store};
 use crate::contacts::Contacts;
 use crate::iterate::rub;
 use crate::line::Columns;
+use crate::plan::Span;
 use crate::sweep::{BodyLanes, Rows, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
@@ -53,7 +54,7 @@ impl Visit for Bounce {
         block: &mut Block<P, T>,
         cold: Option<&mut Cold>,
         k: usize,
-        one_sided: bool,
+        &Span { one_sided, .. }: &Span,
     ) {
         let Some(cold) = cold else { return };
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);

@@ -18,6 +18,7 @@ impl Contacts {
             return;
         }
         let colds = DisjointRows::new(&mut self.colds);
+        shelf(&self.ball, &colds, lines);
         shelf(&self.one, &colds, lines);
         shelf(&self.two, &colds, lines);
         shelf(&self.four, &colds, lines);

@@ -28,6 +28,7 @@ pub(crate) struct Bucket {
 /// All contacts.
 #[derive(Debug, Default)]
 pub struct Contacts {
+    pub(crate) ball: Shelf<1, 0>,
     pub(crate) one: Shelf<1, 0>,
     pub(crate) two: Shelf<2, 1>,
     pub(crate) four: Shelf<4, 1>,
@@ -61,7 +62,8 @@ impl Contacts {
     /// Bytes held.
     pub fn memory(&self) -> usize {
         let bucket = |b: &Bucket| (b.blocks.capacity() + b.free.capacity()) * size_of::<u32>();
-        self.one.memory()
+        self.ball.memory()
+            + self.one.memory()
             + self.two.memory()
             + self.four.memory()
             + self.colds.capacity() * size_of::<Cold>()
@@ -78,38 +80,43 @@ impl Contacts {
 
     /// Bytes that one sweep over all blocks reads, those of bodies aside.
     pub fn swept_bytes(&self) -> usize {
-        size_of_val(&self.one.blocks[..])
+        size_of_val(&self.ball.blocks[..])
+            + size_of_val(&self.one.blocks[..])
             + size_of_val(&self.two.blocks[..])
             + size_of_val(&self.four.blocks[..])
     }
 
     /// Opens all lanes for many threads; `rows` is the number of bodies.
     pub fn desk(&mut self, rows: usize) -> Desk<'_> {
-        let Contacts { one, two, four, colds, painter, tiled, .. } = self;
+        let Contacts { ball, one, two, four, colds, painter, tiled, .. } = self;
         painter.resize(rows);
-        Desk::new((one, two, four), colds, painter, *tiled)
+        Desk::new((ball, one, two, four), colds, painter, *tiled)
     }
 
     /// What a lane holds: position, normal and signed distances, and impulses.
     pub fn read(&self, at: Lane) -> (Manifold, Memory) {
         match at.class() {
+            Class::Ball => self.ball.read(at, &self.colds),
             Class::One => self.one.read(at, &self.colds),
             Class::Two => self.two.read(at, &self.colds),
             Class::Four => self.four.read(at, &self.colds),
         }
     }
 
+    fn keys(&self, class: Class) -> &[Key] {
+        match class {
+            Class::Ball => &self.ball.keys,
+            Class::One => &self.one.keys,
+            Class::Two => &self.two.keys,
+            Class::Four => &self.four.keys,
+        }
+    }
+
     /// Takes lanes back that were cleared.
     pub fn free(&mut self, lanes: &[Lane]) {
-        let Contacts { one, two, four, buckets, .. } = self;
         for lane in lanes {
-            let keys = match lane.class() {
-                Class::One => &one.keys,
-                Class::Two => &two.keys,
-                Class::Four => &four.keys,
-            };
-            let free = &mut buckets.entry(keys[lane.block()]).or_default().free;
-            free.push(lane.index() as u32);
+            let key = self.keys(lane.class())[lane.block()];
+            self.buckets.entry(key).or_default().free.push(lane.index() as u32);
         }
     }
 
@@ -142,8 +149,8 @@ impl Contacts {
             }
             self.buckets.entry(key).or_default().free = free;
         }
-        let Contacts { one, two, four, colds, painter, .. } = self;
-        let desk = Desk::new((one, two, four), colds, painter, tiled);
+        let Contacts { ball, one, two, four, colds, painter, .. } = self;
+        let desk = Desk::new((ball, one, two, four), colds, painter, tiled);
         arrivals.par_iter().for_each(|arrivals| arrivals.iter().for_each(|arrival| desk.write(arrival)));
     }
 
@@ -155,6 +162,7 @@ impl Contacts {
             self.colds.push(Cold::IDLE);
         }
         let block = match key.class() {
+            Class::Ball => self.ball.add(key, cold),
             Class::One => self.one.add(key, cold),
             Class::Two => self.two.add(key, cold),
             Class::Four => self.four.add(key, cold),
@@ -204,21 +212,23 @@ impl Contacts {
             // One class at a time is there twice.
             let mut fresh = Contacts::default();
             match class {
+                Class::Ball => fresh.ball = Shelf::idle(keys, &mut colds),
                 Class::One => fresh.one = Shelf::idle(keys, &mut colds),
                 Class::Two => fresh.two = Shelf::idle(keys, &mut colds),
                 Class::Four => fresh.four = Shelf::idle(keys, &mut colds),
             }
             self.colds.resize(colds as usize, Cold::IDLE);
-            let Contacts { one, two, four, painter, .. } = self;
-            let from = Desk::new((one, two, four), &mut old, painter, false);
-            let Contacts { one, two, four, .. } = &mut fresh;
-            let to = Desk::new((one, two, four), &mut self.colds, painter, false);
+            let Contacts { ball, one, two, four, painter, .. } = self;
+            let from = Desk::new((ball, one, two, four), &mut old, painter, false);
+            let Contacts { ball, one, two, four, .. } = &mut fresh;
+            let to = Desk::new((ball, one, two, four), &mut self.colds, painter, false);
             places.par_iter().with_min_len(256).for_each(|&(key, i)| {
                 let Entry { lane, a, b } = entries[i as usize];
                 from.copy(lane, &to, lanes[i as usize], [a, b & !FIXED]);
                 painter.take(key.color(), a, (!key.is_one_sided()).then_some(b));
             });
             match class {
+                Class::Ball => self.ball = fresh.ball,
                 Class::One => self.one = fresh.one,
                 Class::Two => self.two = fresh.two,
                 Class::Four => self.four = fresh.four,
@@ -231,11 +241,7 @@ impl Contacts {
 
     /// The entries of a class with their new keys, in order.
     fn places(&self, class: Class, entries: &[Entry]) -> Vec<(Key, u32)> {
-        let keys = match class {
-            Class::One => &self.one.keys,
-            Class::Two => &self.two.keys,
-            Class::Four => &self.four.keys,
-        };
+        let keys = self.keys(class);
         let mut places: Vec<(Key, u32)> = (entries, 0..entries.len() as u32)
             .into_par_iter()
             .filter(|(entry, _)| entry.lane.class() == class)

@@ -7,7 +7,7 @@ use crate::block::{Cold, LANES};
 use crate::manifold::{Manifold, Memory, row_of};
 use crate::paint::{OVERFLOW, Painter};
 use crate::shelf::{Class, HOT, Key, Lane, Phase, Shelf, TILE};
-use crate::single::{COLD_WORDS, ColdSingle, Single, Surface, words};
+use crate::single::{ColdSingle, Single, Surface};
 use rockfall_math::Vec3;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -26,6 +26,8 @@ pub struct Arrival {
     pub active: bool,
     /// Distinct for the manifolds of one pair.
     pub ordinal: u32,
+    /// Whether both bodies are balls about their centres of mass.
+    pub balls: bool,
     /// Where it is; [`Lane::NONE`] until it has a place.
     pub lane: Lane,
 }
@@ -36,7 +38,7 @@ impl Arrival {
         let m = &self.manifold;
         let color = self.memory.color;
         let (phase, tile) = place_of(m, color, self.active, tiled);
-        Key::new(phase, tile, color, Class::of(m.count), self.surface.is_cold(m.count))
+        Key::new(phase, tile, color, Class::of(m.count, self.balls), self.surface.is_cold(m.count))
     }
 }
 
@@ -54,27 +56,30 @@ pub(crate) fn place_of(m: &Manifold, color: u32, active: bool, tiled: bool) -> (
     }
 }
 
-/// A table of blocks as words: word w of lane l of row i is number `(i * width + w) * LANES + l`.
+/// Lane l of a row, word by word.
+type Row = [[AtomicU32; LANES]];
+
+/// A table of blocks as words: of each row `width` times [`LANES`].
 struct Words<'a> {
-    words: &'a [AtomicU32],
+    words: &'a Row,
     /// Words of a lane.
     width: usize,
 }
 
 impl<'a> Words<'a> {
-    /// `table` has rows of `width` columns of [`LANES`] numbers of 32 bits, and nothing else.
-    fn new<B: Copy + 'a>(table: &'a mut [B], width: usize) -> Self {
-        assert_eq!(size_of::<B>(), width * LANES * size_of::<u32>());
-        let len = table.len() * width * LANES;
-        // SAFETY: an exclusive borrow of plain numbers of 32 bits, as many as `len`, becomes a shared one of atomics of the same size
-        // and alignment, for as long.
-        let words = unsafe { std::slice::from_raw_parts(table.as_mut_ptr().cast::<AtomicU32>(), len) };
+    /// `table` has rows of columns of [`LANES`] numbers of 32 bits, and nothing else.
+    fn new<B: Copy + 'a>(table: &'a mut [B]) -> Self {
+        const { assert!(size_of::<B>().is_multiple_of(size_of::<[u32; LANES]>())) };
+        let width = size_of::<B>() / size_of::<[u32; LANES]>();
+        let len = table.len() * width;
+        // SAFETY: an exclusive borrow of plain numbers of 32 bits, as many as `len` columns have, becomes a shared one of atomics of
+        // the same size and alignment, for as long.
+        let words = unsafe { std::slice::from_raw_parts(table.as_mut_ptr().cast(), len) };
         Words { words, width }
     }
 
-    fn lane(&self, block: usize, lane: usize) -> impl Iterator<Item = &AtomicU32> {
-        let start = block * self.width * LANES;
-        self.words[start..start + self.width * LANES][lane..].iter().step_by(LANES)
+    fn row(&self, block: usize) -> &Row {
+        &self.words[block * self.width..(block + 1) * self.width]
     }
 }
 
@@ -89,34 +94,40 @@ struct Open<'a, const P: usize, const T: usize> {
 impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
     fn new(shelf: &'a mut Shelf<P, T>) -> Self {
         let Shelf { blocks, names, keys, colds } = shelf;
-        Open { blocks: Words::new(blocks, words::<P, T>()), names: Words::new(names, P + 1), keys, colds }
+        Open { blocks: Words::new(blocks), names: Words::new(names), keys, colds }
     }
 
     fn get(&self, at: Lane) -> Single<P, T> {
+        let (row, lane) = (self.blocks.row(at.block()), at.lane());
         let mut single = Single::IDLE;
-        let mut words = self.blocks.lane(at.block(), at.lane()).map(|word| word.load(Relaxed));
-        single.a = words.next().unwrap_or_default();
-        single.b = words.next().unwrap_or_default();
-        single.numbers().zip(words).for_each(|(x, word)| *x = f32::from_bits(word));
+        [single.a, single.b] = [0, 1].map(|word: usize| row[word][lane].load(Relaxed));
+        let mut words = row[2..].iter();
+        single.each(|x| *x = words.next().map_or(0.0, |word| f32::from_bits(word[lane].load(Relaxed))));
         single
     }
 
     fn put(&self, at: Lane, mut single: Single<P, T>) {
-        let mut words = self.blocks.lane(at.block(), at.lane());
-        for (row, word) in [single.a, single.b].into_iter().zip(words.by_ref()) {
-            word.store(row, Relaxed);
-        }
-        single.numbers().zip(words).for_each(|(x, word)| word.store(x.to_bits(), Relaxed));
+        let (row, lane) = (self.blocks.row(at.block()), at.lane());
+        row[0][lane].store(single.a, Relaxed);
+        row[1][lane].store(single.b, Relaxed);
+        let mut words = row[2..].iter();
+        single.each(|x| words.next().into_iter().for_each(|word| word[lane].store(x.to_bits(), Relaxed)));
     }
 
     fn put_names(&self, at: Lane, features: &[u32; 4], count: u32) {
-        let words = self.names.lane(at.block(), at.lane());
-        words.zip(features[..P].iter().chain([&count])).for_each(|(word, &x)| word.store(x, Relaxed));
+        let names = features[..P].iter().chain([&count]);
+        let row = self.names.row(at.block());
+        row.iter().zip(names).for_each(|(word, &x)| word[at.lane()].store(x, Relaxed));
     }
 }
 
+/// Of each class.
+type Shelves<'a> =
+    (&'a mut Shelf<1, 0>, &'a mut Shelf<1, 0>, &'a mut Shelf<2, 1>, &'a mut Shelf<4, 1>);
+
 /// All lanes, open for many threads that have each their own.
 pub struct Desk<'a> {
+    ball: Open<'a, 1, 0>,
     one: Open<'a, 1, 0>,
     two: Open<'a, 2, 1>,
     four: Open<'a, 4, 1>,
@@ -127,17 +138,26 @@ pub struct Desk<'a> {
 
 impl<'a> Desk<'a> {
     pub(crate) fn new(
-        (one, two, four): (&'a mut Shelf<1, 0>, &'a mut Shelf<2, 1>, &'a mut Shelf<4, 1>),
+        (ball, one, two, four): Shelves<'a>,
         colds: &'a mut [Cold],
         painter: &'a Painter,
         tiled: bool,
     ) -> Self {
-        let colds = Words::new(colds, COLD_WORDS);
-        Desk { one: Open::new(one), two: Open::new(two), four: Open::new(four), colds, painter, tiled }
+        let colds = Words::new(colds);
+        Desk {
+            ball: Open::new(ball),
+            one: Open::new(one),
+            two: Open::new(two),
+            four: Open::new(four),
+            colds,
+            painter,
+            tiled,
+        }
     }
 
     pub(crate) fn key(&self, at: Lane) -> Key {
         let keys = match at.class() {
+            Class::Ball => self.ball.keys,
             Class::One => self.one.keys,
             Class::Two => self.two.keys,
             Class::Four => self.four.keys,
@@ -148,6 +168,7 @@ impl<'a> Desk<'a> {
     /// What a lane holds.
     pub fn read(&self, at: Lane) -> (Manifold, Memory) {
         match at.class() {
+            Class::Ball => self.take(&self.ball, at),
             Class::One => self.take(&self.one, at),
             Class::Two => self.take(&self.two, at),
             Class::Four => self.take(&self.four, at),
@@ -156,16 +177,17 @@ impl<'a> Desk<'a> {
 
     fn take<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, at: Lane) -> (Manifold, Memory) {
         let mut names = [0; 5];
-        let words = shelf.names.lane(at.block(), at.lane());
-        names.iter_mut().zip(words).for_each(|(x, word)| *x = word.load(Relaxed));
+        let row = shelf.names.row(at.block());
+        names.iter_mut().zip(row).for_each(|(x, word)| *x = word[at.lane()].load(Relaxed));
         let key = shelf.keys[at.block()];
         let (manifold, mut memory) = shelf.get(at).manifold(names[P] as usize, key.is_one_sided());
         memory.features[..P].copy_from_slice(&names[..P]);
         memory.color = key.color();
         if key.is_cold() {
             let mut cold = ColdSingle::default();
-            let words = self.colds.lane(shelf.colds[at.block()] as usize, at.lane());
-            cold.numbers().zip(words).for_each(|(x, word)| *x = f32::from_bits(word.load(Relaxed)));
+            let mut words = self.colds.row(shelf.colds[at.block()] as usize).iter();
+            let mut next = || words.next().map_or(0, |word| word[at.lane()].load(Relaxed));
+            cold.each(|x| *x = f32::from_bits(next()));
             memory.rolling = Vec3::from_array(cold.rolling_impulse);
             memory.twist += cold.twist_impulse;
         }
@@ -184,6 +206,7 @@ impl<'a> Desk<'a> {
     /// Writes a contact to its lane.
     pub(crate) fn write(&self, contact: &Arrival) {
         match contact.lane.class() {
+            Class::Ball => self.enter(&self.ball, contact),
             Class::One => self.enter(&self.one, contact),
             Class::Two => self.enter(&self.two, contact),
             Class::Four => self.enter(&self.four, contact),
@@ -199,8 +222,8 @@ impl<'a> Desk<'a> {
 
     fn put_cold(&self, number: u32, at: Lane, mut cold: ColdSingle) {
         if number != HOT {
-            let words = self.colds.lane(number as usize, at.lane());
-            cold.numbers().zip(words).for_each(|(x, word)| word.store(x.to_bits(), Relaxed));
+            let mut words = self.colds.row(number as usize).iter();
+            cold.each(|x| words.next().into_iter().for_each(|word| word[at.lane()].store(x.to_bits(), Relaxed)));
         }
     }
 
@@ -209,6 +232,7 @@ impl<'a> Desk<'a> {
     pub fn clear(&self, at: Lane, ends: bool) {
         let key = self.key(at);
         let [a, b] = match at.class() {
+            Class::Ball => self.leave(&self.ball, at),
             Class::One => self.leave(&self.one, at),
             Class::Two => self.leave(&self.two, at),
             Class::Four => self.leave(&self.four, at),
@@ -230,6 +254,7 @@ impl<'a> Desk<'a> {
     /// Copies a contact with all that belongs to it to a lane of the same class on another desk, under new rows.
     pub(crate) fn copy(&self, from: Lane, to: &Desk<'_>, at: Lane, rows: [u32; 2]) {
         match from.class() {
+            Class::Ball => self.move_to(&self.ball, from, &to.ball, to, at, rows),
             Class::One => self.move_to(&self.one, from, &to.one, to, at, rows),
             Class::Two => self.move_to(&self.two, from, &to.two, to, at, rows),
             Class::Four => self.move_to(&self.four, from, &to.four, to, at, rows),
@@ -245,14 +270,15 @@ impl<'a> Desk<'a> {
         at: Lane,
         [a, b]: [u32; 2],
     ) {
-        let copy = |(to, from): (&AtomicU32, &AtomicU32)| to.store(from.load(Relaxed), Relaxed);
         let lanes = |here: &Words<'_>, there: &Words<'_>, [row, new_row]: [usize; 2]| {
-            there.lane(new_row, at.lane()).zip(here.lane(row, from.lane())).for_each(copy);
+            for (to, word) in there.row(new_row).iter().zip(here.row(row)) {
+                to[at.lane()].store(word[from.lane()].load(Relaxed), Relaxed);
+            }
         };
         lanes(&shelf.blocks, &other.blocks, [from.block(), at.block()]);
         lanes(&shelf.names, &other.names, [from.block(), at.block()]);
-        let words = other.blocks.lane(at.block(), at.lane());
-        words.zip([a, b]).for_each(|(word, row)| word.store(row, Relaxed));
+        let row = other.blocks.row(at.block());
+        row.iter().zip([a, b]).for_each(|(word, row)| word[at.lane()].store(row, Relaxed));
         let [old, new] = [shelf.colds[from.block()], other.colds[at.block()]];
         if old != HOT && new != HOT {
             lanes(&self.colds, &desk.colds, [old as usize, new as usize]);
@@ -281,7 +307,7 @@ mod tests {
         let rolling = if cold { 0.1 } else { 0.0 };
         memory.rolling = Vec3::splat(x * rolling);
         let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
-        Arrival { manifold, memory, surface, offset: Vec3::ONE, active: true, ordinal: 0, lane: Lane::NONE }
+        Arrival { manifold, memory, surface, offset: Vec3::ONE, active: true, ordinal: 0, balls: false, lane: Lane::NONE }
     }
 
     fn all() -> Vec<Arrival> {

@@ -14,6 +14,7 @@
 use crate::block::{Block, Cold, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
+use crate::plan::Span;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
@@ -38,7 +39,7 @@ impl Visit for Iterate {
         block: &mut Block<P, T>,
         mut cold: Option<&mut Cold>,
         k: usize,
-        one_sided: bool,
+        &Span { one_sided, .. }: &Span,
     ) {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);

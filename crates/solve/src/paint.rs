@@ -196,6 +196,7 @@ mod tests {
             offset: Vec3::ZERO,
             active: true,
             ordinal: 0,
+            balls: false,
             lane: Lane::NONE,
         };
         pairs.iter().map(one).collect()

@@ -9,6 +9,7 @@ use crate::iterate::iterate;
 use crate::line::{Columns, Drift, Line};
 use crate::push::push;
 use crate::reflect::reflect_pair;
+use crate::plan::Span;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{Rows, Visit, sweep};
 use crate::warm::warm;
@@ -209,7 +210,7 @@ impl<R: Respond> Visit for Simple<'_, R> {
         block: &mut Block<P, T>,
         cold: Option<&mut Cold>,
         k: usize,
-        one_sided: bool,
+        &Span { one_sided, .. }: &Span,
     ) {
         for lane in k..(k + L::WIDTH).min(LANES) {
             if block.a[lane] != 0 {

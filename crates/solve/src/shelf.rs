@@ -7,19 +7,22 @@ use crate::plan::cold_of;
 use crate::single::Single;
 use rockfall_math::room::make_room;
 
-/// How many points the blocks of a class have room for.
+/// How many points the blocks of a class have room for, and how their contacts follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Class {
+    /// One point between two balls.
+    Ball,
     One,
     Two,
     Four,
 }
 
-pub(crate) const CLASSES: [Class; 3] = [Class::One, Class::Two, Class::Four];
+pub(crate) const CLASSES: [Class; 4] = [Class::Ball, Class::One, Class::Two, Class::Four];
 
 impl Class {
-    pub(crate) fn of(points: u32) -> Self {
+    pub(crate) fn of(points: u32, balls: bool) -> Self {
         match points {
+            _ if balls => Class::Ball,
             0 | 1 => Class::One,
             2 => Class::Two,
             _ => Class::Four,

@@ -1,6 +1,6 @@
 //! One contact by itself, on its way into a block or out of it.
 
-use crate::block::{Block, Cold, Column, Column3, tangents_of};
+use crate::block::{Block, Column, Column3, tangents_of};
 use crate::manifold::{FIXED, Manifold, Memory, row_of};
 use rockfall_math::Vec3;
 
@@ -23,7 +23,7 @@ pub(crate) struct Single<const P: usize, const T: usize> {
     pub(crate) twist_limit: [f32; T],
 }
 
-/// What a [`Cold`] has sixteen of, field by field in the same order.
+/// What a [`crate::block::Cold`] has sixteen of, field by field in the same order.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ColdSingle {
     pub(crate) restitution: f32,
@@ -152,18 +152,19 @@ impl<const P: usize, const T: usize> Single<P, T> {
         (manifold, memory)
     }
 
-    /// All fields but the first two, one after the other.
-    pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f32> {
-        let vectors = [&mut self.normal, &mut self.offset].into_iter().chain(&mut self.arms);
-        let points = [&mut self.distances, &mut self.masses, &mut self.impulses];
-        let twist = [&mut self.twist_mass, &mut self.twist_impulse, &mut self.twist_limit];
-        vectors
-            .flatten()
-            .chain(points.into_iter().flatten())
-            .chain(&mut self.tangent_mass)
-            .chain(&mut self.tangent_impulse)
-            .chain([&mut self.friction])
-            .chain(twist.into_iter().flatten())
+    /// Visits all fields but the first two, in order.
+    #[inline(always)]
+    pub(crate) fn each(&mut self, mut visit: impl FnMut(&mut f32)) {
+        self.normal.iter_mut().chain(&mut self.offset).for_each(&mut visit);
+        self.arms.iter_mut().for_each(|arm| arm.iter_mut().for_each(&mut visit));
+        for points in [&mut self.distances, &mut self.masses, &mut self.impulses] {
+            points.iter_mut().for_each(&mut visit);
+        }
+        self.tangent_mass.iter_mut().chain(&mut self.tangent_impulse).for_each(&mut visit);
+        visit(&mut self.friction);
+        for twist in [&mut self.twist_mass, &mut self.twist_impulse, &mut self.twist_limit] {
+            twist.iter_mut().for_each(&mut visit);
+        }
     }
 }
 
@@ -181,21 +182,13 @@ impl ColdSingle {
         }
     }
 
-    /// All fields, one after the other.
-    pub(crate) fn numbers(&mut self) -> impl Iterator<Item = &mut f32> {
-        [&mut self.restitution]
-            .into_iter()
-            .chain(self.approach.iter_mut().chain(&mut self.peak))
-            .chain([&mut self.rolling_limit])
-            .chain(self.rolling_mass.iter_mut().chain(&mut self.rolling_impulse))
-            .chain([&mut self.twist_mass, &mut self.twist_impulse, &mut self.twist_limit])
+    /// Visits all fields, in order.
+    pub(crate) fn each(&mut self, mut visit: impl FnMut(&mut f32)) {
+        visit(&mut self.restitution);
+        self.approach.iter_mut().chain(&mut self.peak).for_each(&mut visit);
+        visit(&mut self.rolling_limit);
+        self.rolling_mass.iter_mut().chain(&mut self.rolling_impulse).for_each(&mut visit);
+        [&mut self.twist_mass, &mut self.twist_impulse, &mut self.twist_limit].into_iter().for_each(visit);
     }
 }
 
-/// Words of a contact in a block, and of its cold half.
-pub(crate) const fn words<const P: usize, const T: usize>() -> usize {
-    size_of::<Block<P, T>>() / size_of::<Column>()
-}
-
-/// See [`words`].
-pub(crate) const COLD_WORDS: usize = size_of::<Cold>() / size_of::<Column>();

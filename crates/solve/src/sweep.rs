@@ -33,7 +33,7 @@ pub(crate) trait Visit: Sync {
         block: &mut Block<P, T>,
         cold: Option<&mut Cold>,
         k: usize,
-        one_sided: bool,
+        span: &Span,
     );
 }
 
@@ -79,6 +79,7 @@ impl<'a, const P: usize, const T: usize> Blocks<'a, P, T> {
 }
 
 struct Shelves<'a> {
+    ball: Blocks<'a, 1, 0>,
     one: Blocks<'a, 1, 0>,
     two: Blocks<'a, 2, 1>,
     four: Blocks<'a, 4, 1>,
@@ -87,9 +88,10 @@ struct Shelves<'a> {
 
 impl<'a> Shelves<'a> {
     fn open(contacts: &'a mut Contacts) -> (&'a Plan, Self) {
-        let Contacts { one, two, four, colds, plan, .. } = contacts;
-        let (one, two, four) = (Blocks::new(one), Blocks::new(two), Blocks::new(four));
-        (plan, Shelves { one, two, four, colds: DisjointRows::new(colds) })
+        let Contacts { ball, one, two, four, colds, plan, .. } = contacts;
+        let (ball, one) = (Blocks::new(ball), Blocks::new(one));
+        let (two, four) = (Blocks::new(two), Blocks::new(four));
+        (plan, Shelves { ball, one, two, four, colds: DisjointRows::new(colds) })
     }
 }
 
@@ -106,6 +108,7 @@ impl<V: Visit> Kernel for OverSpans<'_, '_, V> {
     fn run<L: Lanes>(self, token: L::Token) {
         for span in self.spans {
             match span.class {
+                Class::Ball => self.over::<L, 1, 0>(token, span, &self.shelves.ball),
                 Class::One => self.over::<L, 1, 0>(token, span, &self.shelves.one),
                 Class::Two => self.over::<L, 2, 1>(token, span, &self.shelves.two),
                 Class::Four => self.over::<L, 4, 1>(token, span, &self.shelves.four),
@@ -135,7 +138,7 @@ impl<V: Visit> OverSpans<'_, '_, V> {
                 if block.a[k..k + L::WIDTH].iter().all(|&a| a == 0) {
                     continue;
                 }
-                self.visit.visit::<L, P, T>(token, self.rows, block, cold.as_deref_mut(), k, span.one_sided);
+                self.visit.visit::<L, P, T>(token, self.rows, block, cold.as_deref_mut(), k, span);
             }
         }
     }

@@ -39,12 +39,12 @@ impl Tally {
 impl Contacts {
     /// Counts everything.
     pub fn tally(&self) -> Tally {
-        tally(&self.one).and(tally(&self.two)).and(tally(&self.four))
+        tally(&self.ball).and(tally(&self.one)).and(tally(&self.two)).and(tally(&self.four))
     }
 
     /// The two rows of every contact, the second marked where contacts can't move it; in any order.
     pub fn rows(&self) -> impl ParallelIterator<Item = (u32, u32)> + '_ {
-        rows(&self.one).chain(rows(&self.two)).chain(rows(&self.four))
+        rows(&self.ball).chain(rows(&self.one)).chain(rows(&self.two)).chain(rows(&self.four))
     }
 }
 

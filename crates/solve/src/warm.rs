@@ -8,6 +8,7 @@ use crate::block::{Block, Cold, load, load3, tangents};
 use crate::contacts::Contacts;
 use crate::effective::complete;
 use crate::line::Columns;
+use crate::plan::Span;
 use crate::sweep::{BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
@@ -28,7 +29,7 @@ impl Visit for Warm {
         block: &mut Block<P, T>,
         cold: Option<&mut Cold>,
         k: usize,
-        one_sided: bool,
+        &Span { one_sided, .. }: &Span,
     ) {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);

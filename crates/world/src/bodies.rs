@@ -1,6 +1,6 @@
 //! The bodies' columns: one row a body, row 0 the world itself.
 
-use crate::{Body, Kind};
+use crate::{Body, Kind, Shape};
 use rockfall_math::lanes::Row;
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
@@ -129,6 +129,12 @@ impl Bodies {
         let rotation = self.rotations[row];
         let center = rotation::rotate(rotation, self.centers[row]);
         Pose { position: self.positions[row] - center.as_dvec3(), rotation }
+    }
+
+    /// Whether the body of a row is a ball about its centre of mass: turning it changes nothing that can be seen.
+    pub(crate) fn is_ball(&self, row: usize, shapes: &[Shape]) -> bool {
+        let shape = shapes.get(self.shapes[row] as usize);
+        matches!(shape, Some(Shape::Sphere { .. })) && self.centers[row] == Vec3::ZERO
     }
 
     /// Inverse inertia in world axes, locked rotations taken out.

@@ -55,7 +55,8 @@ pub(crate) fn bound(
                 (Kind::Kinematic, true) => Role::Driven,
                 _ => Role::Still,
             };
-            *gone = gone.wrapping_add(way(&bodies.drifts[row], bodies.radii[row]));
+            let radius = if bodies.is_ball(row, shapes) { 0.0 } else { bodies.radii[row] };
+            *gone = gone.wrapping_add(way(&bodies.drifts[row], radius));
             let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if !all && *role == Role::Still {
                 return;

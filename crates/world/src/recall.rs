@@ -12,6 +12,10 @@ use rockfall_solve::Drift;
 /// Share of the smaller inner radius by which two bodies may move while their manifold only follows them.
 const LOOSE: f32 = 5e-3;
 
+/// The same for two balls, whose contact follows exactly but for rounding. Sums of motions too small for single precision may lose as much
+/// of the way between the centres.
+const LOOSE_BALLS: f32 = 2e-2;
+
 /// Counts of a metre: way is counted in nanometres, modulo 2³². No step adds more than [`LEAP`] to a count and no mark is
 /// further ahead than [`AHEAD`], so that a difference of counts is never mistaken.
 const METRE: f32 = 1e9;
@@ -51,9 +55,12 @@ pub(crate) fn way(drift: &Drift, radius: f32) -> u32 {
     (way * (METRE * (1.0 + 1e-6))).min(LEAP).ceil() as u32
 }
 
-/// How far two bodies may move while their manifold only follows them, metres. Nothing where a shape is round: a ball that
-/// rolls does not take its contact along.
-pub(crate) fn looseness(a: &Shape, b: &Shape) -> f32 {
+/// How far two bodies may move while their manifold only follows them, metres. Nothing where a shape is round and the other is not: a ball
+/// that rolls does not take its contact along.
+pub(crate) fn looseness(a: &Shape, b: &Shape, balls: bool) -> f32 {
+    if balls {
+        return LOOSE_BALLS * a.inner_radius().min(b.inner_radius());
+    }
     let of = |shape: &Shape| match shape {
         Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
         Shape::Box { .. } | Shape::Hull(_) => LOOSE * shape.inner_radius(),

@@ -199,6 +199,7 @@ impl Fresh {
                 offset: (bodies.positions[b] - bodies.positions[a]).as_vec3(),
                 active: look.is_active(key),
                 ordinal,
+                balls: bodies.is_ball(a, look.shapes) && bodies.is_ball(b, look.shapes),
                 lane: source.map_or(Lane::NONE, |i| lanes[i]),
             };
             if source.is_none() || !desk.rewrite(&contact) {
@@ -270,7 +271,8 @@ fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, recall: &mut Reca
     let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
     let margin = bodies.reaches[a] + bodies.reaches[b];
     let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
-    let serves = if out.is_empty() { apart } else { looseness(shape_a, shape_b) };
+    let balls = bodies.is_ball(a, shapes) && bodies.is_ball(b, shapes);
+    let serves = if out.is_empty() { apart } else { looseness(shape_a, shape_b, balls) };
     recall.set(bodies.ways[a].wrapping_add(bodies.ways[b]), serves);
 }
 

@@ -265,6 +265,7 @@ mod tests {
             offset: rockfall_math::Vec3::ZERO,
             active: true,
             ordinal: 0,
+            balls: false,
             lane: Lane::NONE,
         };
         let mut arrivals = vec![vec![arrival; count]];
