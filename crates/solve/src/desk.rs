@@ -311,12 +311,12 @@ mod tests {
     }
 
     fn all() -> Vec<Arrival> {
-        let kind = |i: u32| (1 + i % 4, i % 3, i % 5 == 0);
+        let kind = |i: u32| (1 + i % 4, i % 3, i.is_multiple_of(5));
         (1..200)
             .map(|i| {
                 let (count, color, cold) = kind(i);
-                let fixed = if i % 7 == 0 { FIXED } else { 0 };
-                Arrival { active: i % 11 != 0, ..arrival(i, (i + 300) | fixed, count, color, cold) }
+                let fixed = if i.is_multiple_of(7) { FIXED } else { 0 };
+                Arrival { active: !i.is_multiple_of(11), ..arrival(i, (i + 300) | fixed, count, color, cold) }
             })
             .collect()
     }
@@ -368,7 +368,7 @@ mod tests {
         let mut contacts = Contacts::default();
         let mut arrivals = vec![all()];
         contacts.place(&mut arrivals);
-        let kept: Vec<&Arrival> = arrivals[0].iter().filter(|a| a.manifold.a % 13 != 0).rev().collect();
+        let kept: Vec<&Arrival> = arrivals[0].iter().filter(|a| !a.manifold.a.is_multiple_of(13)).rev().collect();
         let moved = |row: u32| row + 1000;
         let entries: Vec<Entry> = kept
             .iter()

@@ -124,8 +124,8 @@ impl Painter {
             .par_iter()
             .enumerate()
             .flat_map_iter(|(group, arrivals)| {
-                let blank = |arrival: &&Arrival| arrival.memory.color == NO_COLOR;
-                let numbered = (0..).zip(arrivals).filter(move |(_, arrival)| blank(&arrival));
+                let blank = |arrival: &Arrival| arrival.memory.color == NO_COLOR;
+                let numbered = (0..).zip(arrivals).filter(move |(_, arrival)| blank(arrival));
                 numbered.map(move |(index, arrival)| Blank::new(arrival, group, index))
             })
             .collect();

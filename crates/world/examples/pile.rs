@@ -6,6 +6,7 @@ use rockfall::math::{DVec3, Pose, Quat, Vec3, hash::mix};
 use rockfall::{Body, Material, STAGES, Settings, Shape, World};
 
 fn main() -> Result<(), rockfall::Error> {
+    rockfall::math::room::map_large_blocks();
     let args: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize, default: usize| args.get(i).and_then(|a| a.parse().ok()).unwrap_or(default);
     let balls = args.first().is_some_and(|kind| kind == "balls");
