@@ -82,7 +82,7 @@ fn run(options: &Options) -> Result<(), Error> {
     // What is there when something fails took hours, perhaps: it is shown and written all the same.
     let measured = measure();
     println!("{}, medians of {} runs\n", process::machine(), options.repeats);
-    println!("{}\n{}", table::markdown(&lines), table::stages(&lines));
+    println!("{}\n{}{}", table::markdown(&lines), table::stages(&lines), table::serial(&lines));
     if let Some(folder) = &options.out {
         table::write(folder, options, &lines)?;
     }

@@ -80,10 +80,37 @@ pub(crate) fn stages(lines: &[Line]) -> String {
     text
 }
 
+/// What another thread is worth, stage by stage, where the same engine ran with one thread and with more: the time with one over the
+/// time with more, and the share of the work that must have been serial for that (Amdahl's law).
+pub(crate) fn serial(lines: &[Line]) -> String {
+    let mut text = String::new();
+    for one in lines.iter().filter(|l| l.threads == 1) {
+        let same = |l: &&Line| (l.scene, l.bodies, l.engine) == (one.scene, one.bodies, one.engine);
+        for more in lines.iter().filter(same).filter(|l| l.threads > 1) {
+            let shown = |name: &str, [slow, fast]: [f64; 2]| {
+                let (speedup, n) = (slow / fast, more.threads as f64);
+                let share = ((n / speedup - 1.0) / (n - 1.0)).max(0.0);
+                format!("{name} {speedup:.2} ({:.0} %)", 100.0 * share)
+            };
+            let mut stages = vec![shown("step", [one.ms_per_step, more.ms_per_step])];
+            for ((name, slow), (_, fast)) in one.stages.iter().zip(&more.stages) {
+                if *slow >= 0.01 * one.ms_per_step {
+                    stages.push(shown(name, [*slow, *fast]));
+                }
+            }
+            let of = format!("{}, {} bodies, {}", one.scene, one.bodies, one.engine);
+            // Writing to a string can't fail.
+            let _ =
+                writeln!(text, "{of}: {} threads worth (serial share): {}", more.threads, stages.join(", "));
+        }
+    }
+    text
+}
+
 /// Writes all forms into a folder, which is made if need be.
 pub(crate) fn write(folder: &Path, options: &Options, lines: &[Line]) -> Result<(), Error> {
     fs::create_dir_all(folder)?;
-    fs::write(folder.join("bench.md"), markdown(lines) + "\n" + &stages(lines))?;
+    fs::write(folder.join("bench.md"), markdown(lines) + "\n" + &stages(lines) + &serial(lines))?;
     fs::write(folder.join("bench.csv"), csv(lines)?)?;
     fs::write(folder.join("bench.html"), page::html(lines, options.repeats))?;
     let json = serde_json::json!({
@@ -160,6 +187,17 @@ pub(crate) mod tests {
             "| 12.3 | 1.50 | 10.1 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
         ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, a: touch 3.00 ms\n");
+    }
+
+    #[test]
+    fn the_share_that_is_serial_follows_from_two_numbers_of_threads() {
+        let (mut one, mut two) = (sample("a"), sample("a"));
+        (one.threads, one.ms_per_step, two.ms_per_step) = (1, 16.0, 10.0);
+        one.stages[0].1 = 6.0;
+        assert_eq!(
+            serial(&[one, two, sample("b")]),
+            "pyramid, 55 bodies, a: 2 threads worth (serial share): step 1.60 (25 %), touch 2.00 (0 %)\n"
+        );
     }
 
     #[test]

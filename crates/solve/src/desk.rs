@@ -122,8 +122,7 @@ impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
 }
 
 /// Of each class.
-type Shelves<'a> =
-    (&'a mut Shelf<1, 0>, &'a mut Shelf<1, 0>, &'a mut Shelf<2, 1>, &'a mut Shelf<4, 1>);
+type Shelves<'a> = (&'a mut Shelf<1, 0>, &'a mut Shelf<1, 0>, &'a mut Shelf<2, 1>, &'a mut Shelf<4, 1>);
 
 /// All lanes, open for many threads that have each their own.
 pub struct Desk<'a> {
@@ -223,7 +222,9 @@ impl<'a> Desk<'a> {
     fn put_cold(&self, number: u32, at: Lane, mut cold: ColdSingle) {
         if number != HOT {
             let mut words = self.colds.row(number as usize).iter();
-            cold.each(|x| words.next().into_iter().for_each(|word| word[at.lane()].store(x.to_bits(), Relaxed)));
+            cold.each(|x| {
+                words.next().into_iter().for_each(|word| word[at.lane()].store(x.to_bits(), Relaxed))
+            });
         }
     }
 
@@ -297,8 +298,12 @@ mod tests {
     fn arrival(a: u32, b: u32, count: u32, color: u32, cold: bool) -> Arrival {
         let x = a as f32;
         let point = |p: usize| Vec3::new(x, p as f32, -x);
-        let mut memory =
-            Memory { friction: Vec3::new(x, 2.0, 0.0), twist: if count > 1 { x } else { 0.0 }, color, ..Memory::default() };
+        let mut memory = Memory {
+            friction: Vec3::new(x, 2.0, 0.0),
+            twist: if count > 1 { x } else { 0.0 },
+            color,
+            ..Memory::default()
+        };
         let mut manifold = Manifold { a, b, count, normal: Vec3::Z, ..Manifold::default() };
         for p in 0..count as usize {
             (manifold.arms[p], manifold.distances[p]) = (point(p), -x - p as f32);
@@ -307,7 +312,16 @@ mod tests {
         let rolling = if cold { 0.1 } else { 0.0 };
         memory.rolling = Vec3::splat(x * rolling);
         let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
-        Arrival { manifold, memory, surface, offset: Vec3::ONE, active: true, ordinal: 0, balls: false, lane: Lane::NONE }
+        Arrival {
+            manifold,
+            memory,
+            surface,
+            offset: Vec3::ONE,
+            active: true,
+            ordinal: 0,
+            balls: false,
+            lane: Lane::NONE,
+        }
     }
 
     fn all() -> Vec<Arrival> {
@@ -368,11 +382,16 @@ mod tests {
         let mut contacts = Contacts::default();
         let mut arrivals = vec![all()];
         contacts.place(&mut arrivals);
-        let kept: Vec<&Arrival> = arrivals[0].iter().filter(|a| !a.manifold.a.is_multiple_of(13)).rev().collect();
+        let kept: Vec<&Arrival> =
+            arrivals[0].iter().filter(|a| !a.manifold.a.is_multiple_of(13)).rev().collect();
         let moved = |row: u32| row + 1000;
         let entries: Vec<Entry> = kept
             .iter()
-            .map(|contact| Entry { lane: contact.lane, a: moved(contact.manifold.a), b: moved(contact.manifold.b) })
+            .map(|contact| Entry {
+                lane: contact.lane,
+                a: moved(contact.manifold.a),
+                b: moved(contact.manifold.b),
+            })
             .collect();
         // Rows enough for tiles.
         let lanes = contacts.sort(&entries, 100_000, 100_000);

@@ -71,7 +71,8 @@ fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     );
     for p in 0..P {
         let distance = load::<L>(token, &block.distances[p], k);
-        let radius = (load3(token, &block.arms[p], k) + before.scale(half * gap)).dot(before) - half * distance;
+        let radius =
+            (load3(token, &block.arms[p], k) + before.scale(half * gap)).dot(before) - half * distance;
         let distance = distance + grown;
         store(distance, &mut block.distances[p], k);
         let arm = radius + half * (distance - distance.max(L::splat(token, 0.0)));
@@ -90,35 +91,35 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     block: &mut Block<P, T>,
     k: usize,
 ) {
-        let zero = L::splat(token, 0.0);
-        let half = L::splat(token, 0.5);
-        let (move_a, turn_a) = gather_drift::<L>(token, rows, &block.a, k);
-        let (move_b, turn_b) = gather_drift::<L>(token, rows, &block.b, k);
-        let moved = move_b - move_a;
-        let before: Lanes3<L> = load3(token, &block.normal, k);
-        let offset = load3(token, &block.offset, k);
-        let gap = open::<L, P, T>(token, block, k);
-        let (from_b, back) = (offset + before.scale(gap), before.scale(half * gap));
+    let zero = L::splat(token, 0.0);
+    let half = L::splat(token, 0.5);
+    let (move_a, turn_a) = gather_drift::<L>(token, rows, &block.a, k);
+    let (move_b, turn_b) = gather_drift::<L>(token, rows, &block.b, k);
+    let moved = move_b - move_a;
+    let before: Lanes3<L> = load3(token, &block.normal, k);
+    let offset = load3(token, &block.offset, k);
+    let gap = open::<L, P, T>(token, block, k);
+    let (from_b, back) = (offset + before.scale(gap), before.scale(half * gap));
 
-        let turned = (turn_a + turn_b).scale(half).cross(before);
-        let normal = before + turned;
-        let normal = normal.scale(L::splat(token, 1.0) / normal.dot(normal).sqrt());
-        let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
-        for (p, to) in arms.iter_mut().enumerate() {
-            let arm = load3(token, &block.arms[p], k) + back;
-            let of_a = turn_a.cross(arm);
-            let of_b = moved + turn_b.cross(arm - from_b);
-            let used = zero.lt(load(token, &block.masses[p], k));
-            let distance = load::<L>(token, &block.distances[p], k);
-            let followed = distance + before.dot(of_b - of_a);
-            store(L::select(used, followed, distance), &mut block.distances[p], k);
-            *to = arm + (of_a + of_b).scale(half);
-        }
-        let gap = open::<L, P, T>(token, block, k);
-        for (p, arm) in arms.into_iter().enumerate() {
-            store3(arm - normal.scale(half * gap), &mut block.arms[p], k);
-        }
-        store3(from_b + moved - normal.scale(gap), &mut block.offset, k);
+    let turned = (turn_a + turn_b).scale(half).cross(before);
+    let normal = before + turned;
+    let normal = normal.scale(L::splat(token, 1.0) / normal.dot(normal).sqrt());
+    let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
+    for (p, to) in arms.iter_mut().enumerate() {
+        let arm = load3(token, &block.arms[p], k) + back;
+        let of_a = turn_a.cross(arm);
+        let of_b = moved + turn_b.cross(arm - from_b);
+        let used = zero.lt(load(token, &block.masses[p], k));
+        let distance = load::<L>(token, &block.distances[p], k);
+        let followed = distance + before.dot(of_b - of_a);
+        store(L::select(used, followed, distance), &mut block.distances[p], k);
+        *to = arm + (of_a + of_b).scale(half);
+    }
+    let gap = open::<L, P, T>(token, block, k);
+    for (p, arm) in arms.into_iter().enumerate() {
+        store3(arm - normal.scale(half * gap), &mut block.arms[p], k);
+    }
+    store3(from_b + moved - normal.scale(gap), &mut block.offset, k);
     turn_friction::<L, P, T>(token, block, k, (before, normal));
 }
 

@@ -46,7 +46,8 @@ impl Blank {
     fn new(arrival: &Arrival, group: usize, index: usize) -> Self {
         let m = &arrival.manifold;
         let key = u64::from(m.a) << 32 | u64::from(m.b);
-        let priority = if arrival.ordinal == 0 { mix(key) } else { combine(mix(key), arrival.ordinal.into()) };
+        let priority =
+            if arrival.ordinal == 0 { mix(key) } else { combine(mix(key), arrival.ordinal.into()) };
         let b = (!m.is_one_sided()).then_some(m.b);
         Blank { a: m.a, b, priority, group: group as u32, index: index as u32 }
     }
@@ -134,9 +135,9 @@ impl Painter {
         blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| {
             degrees[row].fetch_add(1, Relaxed);
         });
-        let (crowded, mut blanks): (Vec<Blank>, Vec<Blank>) = blanks
-            .into_par_iter()
-            .partition(|blank| blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed))));
+        let (crowded, mut blanks): (Vec<Blank>, Vec<Blank>) = blanks.into_par_iter().partition(|blank| {
+            blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed)))
+        });
         let mut color = |blank: &Blank, color: u32| {
             arrivals[blank.group as usize][blank.index as usize].memory.color = color;
         };
@@ -270,7 +271,8 @@ mod tests {
 
     #[test]
     fn contacts_with_immovable_bodies_have_colours_of_their_own() {
-        let mut groups = vec![arrivals(&[(1, 2), (1, 3 | FIXED), (1, 4 | FIXED), (1, 4 | FIXED), (2, 4 | FIXED)])];
+        let mut groups =
+            vec![arrivals(&[(1, 2), (1, 3 | FIXED), (1, 4 | FIXED), (1, 4 | FIXED), (2, 4 | FIXED)])];
         groups[0][3].ordinal = 1;
         painter(5).paint(&mut groups);
         let colors = colors(&groups);

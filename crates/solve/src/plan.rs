@@ -52,7 +52,8 @@ impl Plan {
         let mut plan = Plan::default();
         let mut colors = [0_u128; 2];
         for side in [false, true] {
-            let keys = || contacts.buckets.keys().filter(|key| !key.is_parked() && key.is_one_sided() == side);
+            let keys =
+                || contacts.buckets.keys().filter(|key| !key.is_parked() && key.is_one_sided() == side);
             keys().for_each(|key| colors[usize::from(side)] |= 1 << key.color());
             for phase in [Phase::Inner, Phase::Between, Phase::Ground] {
                 let of_phase = || keys().filter(|key| key.phase() == phase).copied();

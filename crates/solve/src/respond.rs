@@ -1,15 +1,15 @@
 //! Stages 9 and 10: collision response, sub-step by sub-step, for each of the three solvers.
 
 use crate::block::{Block, Cold, LANES, get3};
-use crate::contacts::Contacts;
 use crate::bounce::bounce;
+use crate::contacts::Contacts;
 use crate::drift::drift;
 use crate::impulse::{contact_matrix, response};
 use crate::iterate::iterate;
 use crate::line::{Columns, Drift, Line};
+use crate::plan::Span;
 use crate::push::push;
 use crate::reflect::reflect_pair;
-use crate::plan::Span;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{Rows, Visit, sweep};
 use crate::warm::warm;

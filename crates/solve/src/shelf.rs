@@ -86,8 +86,7 @@ pub(crate) enum Phase {
     ParkedGround,
 }
 
-const PHASES: [Phase; 5] =
-    [Phase::Inner, Phase::Between, Phase::Ground, Phase::Parked, Phase::ParkedGround];
+const PHASES: [Phase; 5] = [Phase::Inner, Phase::Between, Phase::Ground, Phase::Parked, Phase::ParkedGround];
 
 /// Rows of a tile. Bodies and drifts of so many take 384 KiB: they stay in a second-level cache of 1 MiB while their
 /// contacts are swept, colour after colour.

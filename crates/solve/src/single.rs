@@ -138,8 +138,7 @@ impl<const P: usize, const T: usize> Single<P, T> {
         let normal = Vec3::from_array(self.normal);
         let half = normal * (0.5 * gap(&self.distances[..count]));
         let b = self.b | if one_sided { FIXED } else { 0 };
-        let mut manifold =
-            Manifold { a: self.a, b, count: count as u32, normal, ..Manifold::default() };
+        let mut manifold = Manifold { a: self.a, b, count: count as u32, normal, ..Manifold::default() };
         let (s, t) = tangents_of(normal);
         let friction = s * self.tangent_impulse[0] + t * self.tangent_impulse[1];
         let twist = self.twist_impulse.first().copied().unwrap_or_default();
@@ -191,4 +190,3 @@ impl ColdSingle {
         [&mut self.twist_mass, &mut self.twist_impulse, &mut self.twist_limit].into_iter().for_each(visit);
     }
 }
-

@@ -41,7 +41,7 @@ impl Tree {
             below = if count > 1 { count } else { 0 };
         }
         tree.blocks = vec![Block::EMPTY; total];
-        tree.refit(boxes);
+        tree.refit(|item| boxes[item]);
         tree
     }
 }

@@ -9,12 +9,8 @@ const GRAIN: usize = 256;
 
 impl Tree {
     /// Takes over new boxes for the same items, in parallel. The order of the items stays, so the tree gets slower
-    /// when they move far; then build it anew. Another number of boxes than before builds it anew at once.
-    pub fn refit(&mut self, boxes: &[Aabb]) {
-        if boxes.len() != self.order.len() {
-            *self = Tree::build(boxes);
-            return;
-        }
+    /// when they move far; then build it anew.
+    pub fn refit(&mut self, area: impl Fn(usize) -> Aabb + Sync) {
         for level in 0..self.levels {
             let (below, here) = self.blocks.split_at_mut(self.starts[level]);
             let end = if level + 1 < self.levels { self.starts[level + 1] - self.starts[level] } else { 1 };
@@ -23,7 +19,7 @@ impl Tree {
                 here.par_iter_mut().zip(self.order.par_chunks(WIDTH)).with_min_len(GRAIN).for_each(
                     |(block, items)| {
                         for (lane, &item) in items.iter().enumerate() {
-                            block.set(lane, &boxes[item as usize]);
+                            block.set(lane, &area(item as usize));
                         }
                     },
                 );

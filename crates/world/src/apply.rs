@@ -39,8 +39,8 @@ pub(crate) fn apply(
     if !sort && !dead && fresh == 0 {
         return false;
     }
-    let mut order: Vec<u32> = (0..rows as u32).collect();
-    order.retain(|&row| bodies.states[row as usize] != State::Dead);
+    let alive = |row: &u32| bodies.states[*row as usize] != State::Dead;
+    let mut order: Vec<u32> = (0..rows as u32).into_par_iter().filter(alive).collect();
     if sort {
         let keys = curve(bodies);
         order[1..].par_sort_unstable_by_key(|&row| (keys[row as usize], bodies.ids[row as usize]));
@@ -48,7 +48,7 @@ pub(crate) fn apply(
         let old = order.partition_point(|&row| (row as usize) < rows - fresh);
         order[old..].sort_unstable_by_key(|&row| bodies.ids[row as usize]);
     }
-    if order.len() == rows && order.iter().enumerate().all(|(i, &row)| i == row as usize) {
+    if order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize) {
         return fresh > 0;
     }
     bodies.reorder(&order);
@@ -65,11 +65,12 @@ pub(crate) fn apply(
 
 /// Place of every row along the curve; immobile bodies behind all others.
 fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
-    let bounds = bodies.positions[1..]
-        .iter()
-        .zip(&bodies.kinds[1..])
-        .filter(|(_, kind)| **kind != crate::Kind::Static)
-        .fold(Aabb::EMPTY, |b, (p, _)| b.union(&Aabb::around(*p, *p)));
+    let bounds = (1..bodies.rows())
+        .into_par_iter()
+        .with_min_len(4096)
+        .filter(|&row| bodies.is_mover(row))
+        .map(|row| Aabb::around(bodies.positions[row], bodies.positions[row]))
+        .reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
     let grid = Grid::new(&bounds);
     (0..bodies.rows())
         .into_par_iter()

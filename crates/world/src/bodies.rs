@@ -1,6 +1,7 @@
 //! The bodies' columns: one row a body, row 0 the world itself.
 
 use crate::{Body, Kind, Shape};
+use rayon::prelude::*;
 use rockfall_math::lanes::Row;
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
@@ -55,7 +56,8 @@ macro_rules! columns {
 
             /// Row i becomes what was row `order[i]`; rows that `order` does not name are gone.
             pub(crate) fn reorder(&mut self, order: &[u32]) {
-                $(self.$name = order.iter().map(|&i| self.$name[i as usize].clone()).collect();)*
+                let rows = || order.par_iter().with_min_len(4096);
+                $(self.$name = rows().map(|&i| self.$name[i as usize].clone()).collect();)*
             }
 
             /// Bytes held.
@@ -69,6 +71,8 @@ macro_rules! columns {
 columns! {
     /// The user's names.
     ids: u64 = u64::MAX,
+    /// Number under which the row is looked up; it stays when rows are sorted.
+    slots: u32 = 0,
     /// Who moves.
     kinds: Kind = Kind::Static,
     /// Who takes part.
@@ -194,7 +198,7 @@ pub(crate) struct Mass {
 
 impl BodyRow {
     /// The row of a body whose numbers have been checked.
-    pub(crate) fn of(body: &Body, id: u64, mass: &Mass) -> Self {
+    pub(crate) fn of(body: &Body, id: u64, slot: u32, mass: &Mass) -> Self {
         let rotation = rotation::normalize(body.pose.rotation);
         let center = rotation::rotate(rotation, mass.center);
         let moves = body.kind == Kind::Dynamic;
@@ -210,6 +214,7 @@ impl BodyRow {
             .fold(0, |all, bits| all | bits);
         BodyRow {
             ids: id,
+            slots: slot,
             kinds: body.kind,
             positions: body.pose.position + center.as_dvec3(),
             rotations: rotation,

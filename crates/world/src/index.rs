@@ -27,12 +27,11 @@ impl Index {
 
 /// Brings the trees up to date; `rebuild` after rows have moved or come.
 pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], rebuild: bool) {
+    let area = |row: usize, mover: bool| {
+        if bodies.is_mover(row) == mover { bodies.boxes[row] } else { Aabb::EMPTY }
+    };
     let boxes = |mover: bool| -> Vec<Aabb> {
-        (0..bodies.rows())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|row| if bodies.is_mover(row) == mover { bodies.boxes[row] } else { Aabb::EMPTY })
-            .collect()
+        (0..bodies.rows()).into_par_iter().with_min_len(1024).map(|row| area(row, mover)).collect()
     };
     let renewed = moved.par_iter().with_min_len(4096).filter(|&&m| m).count();
     index.worn += renewed;
@@ -44,6 +43,6 @@ pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], rebuild:
         index.movers = Tree::build(&boxes(true));
         index.worn = 0;
     } else if renewed > 0 {
-        index.movers.refit(&boxes(true));
+        index.movers.refit(|row| area(row, true));
     }
 }

@@ -13,8 +13,9 @@ use rockfall_solve::Contacts;
 /// Rows in a partial sum.
 const RUN: usize = 1024;
 
-#[derive(Clone, Copy, Default)]
-struct Sums {
+/// Of a run of rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Sums {
     bodies: usize,
     awake: usize,
     kinetic: f64,
@@ -23,17 +24,23 @@ struct Sums {
     angular: DVec3,
 }
 
-/// Fills in everything but times and counts that the caller knows.
-pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, contacts: &Contacts, settings: &Settings) {
+/// Fills in everything but times and counts that the caller knows. `sums` is room that is kept from step to step.
+pub(crate) fn measure(
+    report: &mut StepReport,
+    sums: &mut Vec<Sums>,
+    bodies: &Bodies,
+    contacts: &Contacts,
+    settings: &Settings,
+) {
     let gravity = settings.gravity.as_dvec3();
-    let partial: Vec<Sums> = (0..bodies.rows().div_ceil(RUN))
+    (0..bodies.rows().div_ceil(RUN))
         .into_par_iter()
         .map(|run| {
             let rows = (run * RUN).max(1)..((run + 1) * RUN).min(bodies.rows());
             rows.fold(Sums::default(), |sums, row| add(sums, bodies, row, gravity))
         })
-        .collect();
-    let all = partial.iter().fold(Sums::default(), |a, b| Sums {
+        .collect_into_vec(sums);
+    let all = sums.iter().fold(Sums::default(), |a, b| Sums {
         bodies: a.bodies + b.bodies,
         awake: a.awake + b.awake,
         kinetic: a.kinetic + b.kinetic,
@@ -48,6 +55,7 @@ pub(crate) fn measure(report: &mut StepReport, bodies: &Bodies, contacts: &Conta
     report.potential_energy = all.potential;
     report.momentum = all.momentum.to_array();
     report.angular_momentum = all.angular.to_array();
+    report.swept_bytes = contacts.swept_bytes();
     report.manifolds = touch.manifolds;
     report.touching = touch.touching;
     report.contacts = touch.contacts;

@@ -14,6 +14,7 @@ use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
 use rockfall_solve::{Arrival, Contacts, Desk, FIXED, Lane, Manifold, Memory, NO_COLOR, Surface, row_of};
+use std::sync::{Mutex, PoisonError};
 
 /// What changed in the contacts of a run.
 #[derive(Debug, Default)]
@@ -30,9 +31,10 @@ pub(crate) struct Changes {
     broken: Vec<usize>,
 }
 
-/// Finds the contacts of all pairs that have moved too far for their contacts to follow, and clears those of pairs that have ended.
+/// Finds, in a room for each thread, the contacts of all pairs that have moved too far for their contacts to follow, and clears those of pairs that have ended.
 /// Returns what has to be coloured and given a lane: see [`color`] and [`settle_in`].
 pub(crate) fn touch(
+    rooms: &mut Vec<Mutex<Fresh>>,
     touches: &mut Touches,
     contacts: &mut Contacts,
     bodies: &Bodies,
@@ -41,15 +43,20 @@ pub(crate) fn touch(
 ) -> Vec<Changes> {
     let desk = contacts.desk(bodies.rows());
     let look = Look { bodies, shapes, surface, desk: &desk };
+    rooms.resize_with(rayon::current_num_threads(), Mutex::default);
     touches
         .runs
         .par_iter_mut()
         .enumerate()
-        .map_init(Fresh::default, |fresh, (number, run)| {
+        .map(|(number, run)| {
             if run.is_current() && (0..run.keys.len()).all(|i| look.stays(run, run.keys[i], i as u32)) {
                 return None;
             }
             let mut changes = Changes { run: number, ..Changes::default() };
+            let room = &rooms[rayon::current_thread_index().unwrap_or_default()];
+            // A thread that panicked leaves nothing that the next one would not clear.
+            let mut fresh = room.lock().unwrap_or_else(PoisonError::into_inner);
+            fresh.clear();
             fresh.find(run, &look, &mut changes);
             fresh.replace(run);
             changes.is_some().then_some(changes)
@@ -71,7 +78,8 @@ impl Changes {
 
 /// Gives every contact that arrived a colour.
 pub(crate) fn color(changes: &mut [Changes], contacts: &mut Contacts, rows: usize) {
-    let mut arrivals: Vec<Vec<Arrival>> = changes.iter_mut().map(|c| std::mem::take(&mut c.arrivals)).collect();
+    let mut arrivals: Vec<Vec<Arrival>> =
+        changes.iter_mut().map(|c| std::mem::take(&mut c.arrivals)).collect();
     contacts.paint(&mut arrivals, rows);
     changes.iter_mut().zip(arrivals).for_each(|(changes, arrivals)| changes.arrivals = arrivals);
 }
@@ -96,9 +104,10 @@ struct Look<'a, S> {
     desk: &'a Desk<'a>,
 }
 
-/// The columns of a run that is being brought up to date, before they take the place of the old ones.
-#[derive(Default)]
-struct Fresh {
+/// The columns of a run that is being brought up to date, before they take the place of the old ones. Each thread has its own, and keeps it
+/// from step to step.
+#[derive(Debug, Default)]
+pub(crate) struct Fresh {
     firsts: Vec<u32>,
     recalls: Vec<Recall>,
     lanes: Vec<Lane>,
@@ -118,8 +127,7 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
         }
         let bodies = self.bodies;
         let margin = if first.is_none() { bodies.reaches[a] + bodies.reaches[b] } else { 0.0 };
-        let serves =
-            run.recalls[before as usize].left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin;
+        let serves = run.recalls[before as usize].left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin;
         serves || at_rest(bodies, key)
     }
 
@@ -132,6 +140,12 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
 }
 
 impl Fresh {
+    fn clear(&mut self) {
+        self.firsts.clear();
+        self.recalls.clear();
+        self.lanes.clear();
+    }
+
     /// Finds the contacts of a run.
     fn find<S: Fn(usize, usize) -> Surface + Sync>(
         &mut self,
@@ -220,12 +234,12 @@ impl Fresh {
         }
     }
 
-    /// Puts what was found into the run and is empty again.
-    fn replace(&mut self, run: &mut Run) {
+    /// Puts what was found into the run.
+    fn replace(&self, run: &mut Run) {
         run.befores = Vec::new();
-        take(&mut self.firsts, &mut run.firsts);
-        take(&mut self.recalls, &mut run.recalls);
-        take(&mut self.lanes, &mut run.lanes);
+        put(&self.firsts, &mut run.firsts);
+        put(&self.recalls, &mut run.recalls);
+        put(&self.lanes, &mut run.lanes);
     }
 }
 
@@ -237,12 +251,11 @@ fn end(run: &Run, pairs: std::ops::Range<u32>, desk: &Desk<'_>, changes: &mut Ch
     }
 }
 
-/// Moves the content of `from`, which keeps its room, to `to`.
-fn take<T: Copy>(from: &mut Vec<T>, to: &mut Vec<T>) {
+/// Makes `to` a copy of `from`, with little room to spare.
+fn put<T: Copy>(from: &[T], to: &mut Vec<T>) {
     to.clear();
     make_room(to, from.len());
     to.extend_from_slice(from);
-    from.clear();
 }
 
 /// Whether neither body of a pair moves.

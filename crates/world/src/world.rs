@@ -8,6 +8,8 @@ mod step;
 use crate::bodies::{Bodies, State};
 use crate::index::Index;
 use crate::link::Islands;
+use crate::measure::Sums;
+use crate::touch::Fresh;
 use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
 use rockfall_math::lanes::Width;
@@ -15,7 +17,7 @@ use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::MassProperties;
 use rockfall_solve::Contacts;
 use std::collections::{BTreeSet, HashMap};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// A shape of a [`World`], shared by any number of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -88,9 +90,13 @@ pub struct World {
     masses: Vec<Option<MassProperties>>,
     materials: Vec<Material>,
     bodies: Bodies,
-    /// Rows by id, of bodies that are alive.
-    rows: HashMap<u64, u32>,
-    /// The same, sorted by id; made when somebody asks.
+    /// Slots by id, of bodies that are alive.
+    slots: HashMap<u64, u32>,
+    /// Row of each slot.
+    rows: Vec<u32>,
+    /// Slots of bodies that were removed, for others.
+    vacant: Vec<u32>,
+    /// Rows of bodies that are alive, sorted by id; made when somebody asks.
     sorted: OnceLock<Vec<u32>>,
     names: HashMap<u64, String>,
     next_id: u64,
@@ -103,6 +109,8 @@ pub struct World {
     contacts: Contacts,
     islands: Islands,
     moved: Vec<bool>,
+    sums: Vec<Sums>,
+    rooms: Vec<Mutex<Fresh>>,
     report: StepReport,
 }
 
@@ -126,7 +134,9 @@ impl World {
             masses: Vec::new(),
             materials: Vec::new(),
             bodies: Bodies::new(),
-            rows: HashMap::new(),
+            slots: HashMap::new(),
+            rows: Vec::new(),
+            vacant: Vec::new(),
             sorted: OnceLock::new(),
             names: HashMap::new(),
             next_id: 1,
@@ -137,6 +147,8 @@ impl World {
             contacts: Contacts::default(),
             islands: Islands::default(),
             moved: Vec::new(),
+            sums: Vec::new(),
+            rooms: Vec::new(),
             report: StepReport::default(),
         })
     }
@@ -169,16 +181,16 @@ impl World {
 
     /// Number of bodies.
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.slots.len()
     }
 
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.slots.is_empty()
     }
 
     fn row(&self, id: BodyId) -> Result<usize, Error> {
-        self.rows.get(&id.0).map(|&row| row as usize).ok_or(Error::NoBody(id))
+        self.slots.get(&id.0).map(|&slot| self.rows[slot as usize] as usize).ok_or(Error::NoBody(id))
     }
 
     fn wake(&mut self, row: usize) {

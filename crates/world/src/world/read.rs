@@ -5,6 +5,7 @@ use crate::bodies::State;
 use crate::measure;
 use crate::touches::rows;
 use crate::{BodyId, Error, Kind, Shape, StepReport};
+use rayon::prelude::*;
 use rockfall_math::{DVec3, Pose, Quat, Vec3};
 use rockfall_solve::row_of;
 
@@ -17,8 +18,9 @@ impl World {
     /// Rows of all bodies, sorted by id.
     fn sorted(&self) -> &[u32] {
         self.sorted.get_or_init(|| {
-            let mut rows: Vec<u32> = self.rows.values().copied().collect();
-            rows.sort_unstable_by_key(|&row| self.bodies.ids[row as usize]);
+            let alive = |row: &u32| self.bodies.states[*row as usize] != State::Dead;
+            let mut rows: Vec<u32> = (1..self.bodies.rows() as u32).filter(alive).collect();
+            self.pool.install(|| rows.par_sort_unstable_by_key(|&row| self.bodies.ids[row as usize]));
             rows
         })
     }
@@ -156,6 +158,7 @@ impl World {
             + self.islands.memory()
             + self.contacts.memory()
             + self.moved.capacity()
-            + self.rows.capacity() * (size_of::<(u64, u32)>() + 1)
+            + (self.rows.capacity() + self.vacant.capacity()) * size_of::<u32>()
+            + self.slots.capacity() * (size_of::<(u64, u32)>() + 1)
     }
 }

@@ -11,7 +11,7 @@ impl World {
     /// # Errors
     /// Says what is wrong with the body; the world is left as it was.
     pub fn spawn(&mut self, body: Body) -> Result<BodyId, Error> {
-        let (id, mass) = self.admit(&body, |id| self.rows.contains_key(&id), self.next_id)?;
+        let (id, mass) = self.admit(&body, |id| self.slots.contains_key(&id), self.next_id)?;
         self.enter(body, id, &mass);
         Ok(BodyId(id))
     }
@@ -27,7 +27,7 @@ impl World {
         let mut next = self.next_id;
         for body in &bodies {
             let (id, mass) =
-                self.admit(body, |id| self.rows.contains_key(&id) || taken.contains(&id), next)?;
+                self.admit(body, |id| self.slots.contains_key(&id) || taken.contains(&id), next)?;
             taken.insert(id);
             next = next.max(id.saturating_add(1));
             admitted.push((id, mass));
@@ -52,8 +52,13 @@ impl World {
     }
 
     fn enter(&mut self, body: Body, id: u64, mass: &Mass) {
-        self.rows.insert(id, self.bodies.rows() as u32);
-        self.bodies.push(BodyRow::of(&body, id, mass));
+        let slot = self.vacant.pop().unwrap_or(self.rows.len() as u32);
+        if slot as usize == self.rows.len() {
+            self.rows.push(0);
+        }
+        self.rows[slot as usize] = self.bodies.rows() as u32;
+        self.slots.insert(id, slot);
+        self.bodies.push(BodyRow::of(&body, id, slot, mass));
         self.next_id = self.next_id.max(id.saturating_add(1));
         self.fresh += 1;
         self.sorted.take();
@@ -125,7 +130,7 @@ impl World {
     pub fn remove(&mut self, id: BodyId) -> Result<(), Error> {
         let row = self.row(id)?;
         self.bodies.states[row] = State::Dead;
-        self.rows.remove(&id.0);
+        self.vacant.extend(self.slots.remove(&id.0));
         self.names.remove(&id.0);
         self.sorted.take();
         Ok(())

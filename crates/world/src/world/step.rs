@@ -30,13 +30,14 @@ impl World {
 
     fn stages(&mut self) {
         let World { settings, width, shapes, materials, bodies, index: trees, touches, .. } = self;
-        let World { islands, contacts, moved, report, .. } = self;
+        let World { islands, contacts, rooms, moved, sums, report, .. } = self;
         let mut clock = Clock::new();
 
         let renamed = apply(bodies, touches, contacts, self.fresh, &self.stirred, report.step);
         if renamed {
-            self.rows.clear();
-            self.rows.extend(bodies.ids.iter().copied().zip(0..).skip(1));
+            for (&slot, row) in bodies.slots.iter().zip(0..).skip(1) {
+                self.rows[slot as usize] = row;
+            }
             self.sorted.take();
         }
         let all = renamed || !self.stirred.is_empty();
@@ -53,7 +54,7 @@ impl World {
         follow(contacts, &mut bodies.solver_columns(), *width);
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
-        let mut changes = touch(touches, contacts, bodies, shapes, &surface);
+        let mut changes = touch(rooms, touches, contacts, bodies, shapes, &surface);
         report.frozen += freeze(bodies, &Changes::broken(&changes));
         clock.lap();
         color(&mut changes, contacts, bodies.rows());
@@ -89,7 +90,7 @@ impl World {
         report.time = report.step as f64 / f64::from(settings.rate);
         report.pairs = touches.pairs();
         report.colors = contacts.colors();
-        measure(report, bodies, contacts, settings);
+        measure(report, sums, bodies, contacts, settings);
         clock.lap();
         report.times = clock.times();
     }

@@ -150,3 +150,19 @@ impl Numbers {
         }
     }
 }
+
+/// Columns of five bodies each, side by side on the ground: `n` × `n` of them.
+pub(crate) fn columns(n: usize, balls: bool) -> Stage {
+    let settings = Settings { threads: 2, ..frames() };
+    let mut stage = Stage::on_ground(settings, rubs(0.6, 0.0));
+    let shape = if balls { stage.ball(0.5) } else { stage.cuboid(0.5, 0.5, 0.5) };
+    let bodies: Vec<Body> = (0..n * n * 5)
+        .map(|i| {
+            let (x, y, z) = (i % n, i / n % n, i / n / n);
+            let spread = if balls { 1.0 } else { 1.5 };
+            stage.body(shape, at(spread * x as f64, spread * y as f64, 0.5 + z as f64))
+        })
+        .collect();
+    stage.world.spawn_all(bodies).expect("they make sense");
+    stage
+}
