@@ -2,7 +2,7 @@
 //!
 //! A contact is in one place only: the lane that the solver sweeps over. Nothing is copied before a step or after it; a manifold that
 //! only follows its bodies changes where it is ([`crate::follow`]), and impulses are found there by the next step. Blocks hold
-//! contacts of one [`Key`]: phase, tile, colour, class. Which lane of a key's blocks a contact has does not matter to any bit of
+//! contacts of one key: phase, tile, colour, class. Which lane of a key's blocks a contact has does not matter to any bit of
 //! the result, because within a colour no body that moves stands twice.
 
 use crate::block::Cold;
