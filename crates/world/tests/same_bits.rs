@@ -114,6 +114,18 @@ fn insertion_order_determinism() {
     SMALL.same(&runs, 4000);
 }
 
+/// Promise: the same in a world so large that the solver cuts its rows into tiles.
+#[test]
+fn determinism_across_tiles() {
+    let pile = Pile { n: 42, layers: 40, steps: 10 };
+    let runs = [
+        Run { threads: 2, lanes: 16, backwards: false },
+        Run { threads: 1, lanes: 4, backwards: false },
+        Run { threads: 3, lanes: 8, backwards: true },
+    ];
+    pile.same(&runs, 100_000);
+}
+
 /// Promise: all of it at once over 1,000 steps of a pile with more than 100,000 contacts. Ten minutes on two cores; run it with
 /// `cargo test --release -p rockfall --test same_bits -- --ignored`.
 #[test]
