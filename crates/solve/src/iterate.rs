@@ -1,6 +1,6 @@
 //! Stage 9, **solve** and **relax**: one sweep of sequential impulses.
 //!
-//! Reads batches and drift; writes impulses and velocities. For each manifold in turn: friction at the middle of its
+//! Reads contacts and drift; writes impulses and velocities. For each manifold in turn: friction at the middle of its
 //! points as a true cone, twist about the normal, rolling; and each point's normal impulse. With position correction the
 //! sweep is *solve*, without it *relax*; contacts that have not closed yet (speculative ones) keep their gap in both.
 //!

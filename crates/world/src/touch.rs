@@ -31,8 +31,9 @@ pub(crate) struct Changes {
     broken: Vec<usize>,
 }
 
-/// Finds, in a room for each thread, the contacts of all pairs that have moved too far for their contacts to follow, and clears those of pairs that have ended.
-/// Returns what has to be coloured and given a lane: see [`color`] and [`settle_in`].
+/// Finds the contacts of all pairs that have moved too far for their contacts to follow, and clears those of pairs that have
+/// ended. `rooms` are kept from step to step, one for each thread. Returns what has to be coloured and given a lane: see
+/// [`color`] and [`settle_in`].
 pub(crate) fn touch(
     rooms: &mut Vec<Mutex<Fresh>>,
     touches: &mut Touches,
