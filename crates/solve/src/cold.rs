@@ -1,4 +1,4 @@
-//! Stage 8, **prepare**: what bouncing, rolling and twisting contacts need to know of their bodies before a step.
+//! Stage 7, **prepare**: what bouncing, rolling and twisting contacts need to know of their bodies before a step.
 //!
 //! Reads velocities and inertia; writes approach velocities, effective moments, and empty peaks into the cold halves.
 

@@ -5,13 +5,13 @@
 //! contacts of one key: phase, tile, colour, class. Which lane of a key's blocks a contact has does not matter to any bit of
 //! the result, because within a colour no body that moves stands twice.
 
-use crate::block::Cold;
+use crate::block::{Cold, LANES};
 use crate::desk::{Arrival, Desk, place_of};
 use crate::line::Line;
 use crate::manifold::{FIXED, Manifold, Memory};
 use crate::paint::Painter;
 use crate::plan::Plan;
-use crate::shelf::{CLASSES, Class, HOT, Key, Lane, Shelf, WORTH_TILES};
+use crate::shelf::{CLASSES, Class, HOT, Key, Lane, Shelf};
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use std::collections::BTreeMap;
@@ -74,7 +74,7 @@ impl Contacts {
     }
 
     /// Whether rows are cut into tiles.
-    pub(crate) fn is_tiled(&self) -> bool {
+    pub fn is_tiled(&self) -> bool {
         self.tiled
     }
 
@@ -169,7 +169,7 @@ impl Contacts {
         };
         self.buckets.entry(key).or_default().blocks.push(block);
         self.grown = true;
-        let lanes = crate::block::LANES as u32;
+        let lanes = LANES as u32;
         free.extend((block * lanes + 1..(block + 1) * lanes).rev());
         block * lanes
     }
@@ -184,9 +184,9 @@ impl Contacts {
     }
 
     /// Sorts all contacts of a world, whose rows have changed, into new blocks: within a bucket in the order of `entries`. Contacts that
-    /// are not among these are gone. `movers` is the number of rows of bodies that move, `rows` that of all. Returns the new places.
-    pub fn sort(&mut self, entries: &[Entry], movers: usize, rows: usize) -> Vec<Lane> {
-        self.tiled = movers >= WORTH_TILES;
+    /// are not among these are gone. `tiled` says whether rows are cut into tiles from now on, `rows` is their number. Returns the new places.
+    pub fn sort(&mut self, entries: &[Entry], tiled: bool, rows: usize) -> Vec<Lane> {
+        self.tiled = tiled;
         self.painter.clear(rows);
         self.buckets.clear();
         let mut lanes = vec![Lane::NONE; entries.len()];
@@ -196,16 +196,16 @@ impl Contacts {
             let places = self.places(class, entries);
             let keys: Vec<Key> = places
                 .chunk_by(|a, b| a.0 == b.0)
-                .flat_map(|group| vec![group[0].0; group.len().div_ceil(crate::block::LANES)])
+                .flat_map(|group| vec![group[0].0; group.len().div_ceil(LANES)])
                 .collect();
             let mut next = 0;
             for group in places.chunk_by(|a, b| a.0 == b.0) {
                 let (key, first) = (group[0].0, next);
-                next += group.len().next_multiple_of(crate::block::LANES) as u32;
+                next += group.len().next_multiple_of(LANES) as u32;
                 for (&(_, i), index) in group.iter().zip(first..) {
                     lanes[i as usize] = key.lane(index as usize);
                 }
-                let blocks = first / crate::block::LANES as u32..next / crate::block::LANES as u32;
+                let blocks = first / LANES as u32..next / LANES as u32;
                 let free = (first + group.len() as u32..next).rev().collect();
                 self.buckets.insert(key, Bucket { blocks: blocks.collect(), free });
             }

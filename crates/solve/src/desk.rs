@@ -393,8 +393,7 @@ mod tests {
                 b: moved(contact.manifold.b),
             })
             .collect();
-        // Rows enough for tiles.
-        let lanes = contacts.sort(&entries, 100_000, 100_000);
+        let lanes = contacts.sort(&entries, true, 100_000);
         assert_eq!(contacts.tally().manifolds, kept.len());
         for (contact, &lane) in kept.iter().zip(&lanes) {
             let m = &contact.manifold;

@@ -32,6 +32,6 @@ pub use contacts::{Contacts, Entry};
 pub use desk::{Arrival, Desk};
 pub use line::{Columns, Drift, Line};
 pub use manifold::{FIXED, Manifold, Memory, NO_COLOR, row_of};
-pub use shelf::Lane;
+pub use shelf::{Lane, WORTH_TILES};
 pub use single::Surface;
 pub use soft::{Softness, SubStep};

@@ -92,9 +92,9 @@ const PHASES: [Phase; 5] = [Phase::Inner, Phase::Between, Phase::Ground, Phase::
 /// contacts are swept, colour after colour.
 pub(crate) const TILE: usize = 4096;
 
-/// Worlds with fewer rows are one tile: all of it stays in the caches anyway, and tiles too few would not
+/// Worlds with fewer rows of bodies that move are not worth tiles: all of them stay in the caches anyway, and tiles too few would not
 /// keep all threads busy.
-pub(crate) const WORTH_TILES: usize = 16 * TILE;
+pub const WORTH_TILES: usize = 16 * TILE;
 
 /// What the contacts of a block have in common: phase, tile, colour, class, and whether they have a cold half, in the order in
 /// which contacts are swept.

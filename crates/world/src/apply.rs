@@ -9,7 +9,7 @@ use crate::recall::ELSEWHERE;
 use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
-use rockfall_solve::{Contacts, row_of};
+use rockfall_solve::{Contacts, WORTH_TILES, row_of};
 use rockfall_tree::{hilbert, morton::Grid};
 use std::collections::BTreeSet;
 
@@ -48,7 +48,11 @@ pub(crate) fn apply(
         let old = order.partition_point(|&row| (row as usize) < rows - fresh);
         order[old..].sort_unstable_by_key(|&row| bodies.ids[row as usize]);
     }
-    if order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize) {
+    // Decided when all rows are sorted, whether or not a row moves: it must not depend on the order in which bodies were added.
+    let movers = order.par_iter().filter(|row| bodies.is_mover(**row as usize)).count();
+    let tiled = if sort { movers >= WORTH_TILES } else { contacts.is_tiled() };
+    let sorted = order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize);
+    if sorted && tiled == contacts.is_tiled() {
         return fresh > 0;
     }
     bodies.reorder(&order);
@@ -57,8 +61,7 @@ pub(crate) fn apply(
         new_rows[old as usize] = new as u32;
     }
     let entries = touches.rename(&new_rows);
-    let movers = bodies.kinds.par_iter().filter(|kind| **kind != crate::Kind::Static).count();
-    let lanes = contacts.sort(&entries, movers, bodies.rows());
+    let lanes = contacts.sort(&entries, tiled, bodies.rows());
     touches.relocate(&lanes);
     true
 }

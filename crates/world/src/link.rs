@@ -1,4 +1,4 @@
-//! Stage 7, **link**: islands of bodies that touch.
+//! Stage 8, **link**: islands of bodies that touch.
 //!
 //! Reads contacts; writes the root of each body's island. Used for sleep alone: a pile that is one huge island is still
 //! solved by all threads.

@@ -1,4 +1,4 @@
-//! Stage 15, **report**: figures of the step, and the hash.
+//! Stage 14, **report**: figures of the step, and the hash.
 //!
 //! Reads everything, writes a [`StepReport`]. Sums are taken over runs of fixed length, in order, so that they don't
 //! depend on the number of threads.

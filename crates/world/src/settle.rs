@@ -1,4 +1,4 @@
-//! Stage 12, **settle**: the drift becomes part of the pose.
+//! Stage 11, **settle**: the drift becomes part of the pose.
 //!
 //! Reads drift and velocities; writes positions, time at rest, and who is frozen. A state that is not finite is caught here,
 //! before anything can read it.

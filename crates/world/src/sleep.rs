@@ -1,4 +1,4 @@
-//! Stage 14, **sleep**: islands at rest stop, and wake as one.
+//! Stage 13, **sleep**: islands at rest stop, and wake as one.
 //!
 //! Reads islands and times at rest; writes states. The least rested body of an island speaks for all of it.
 

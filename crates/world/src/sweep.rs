@@ -1,4 +1,4 @@
-//! Stage 13, **sweep**: continuous detection.
+//! Stage 12, **sweep**: continuous detection.
 //!
 //! Reads drift, poses, the tree of static bodies and the manifolds; writes poses. A body that moves further in a step than
 //! contacts can see ahead is taken along its way from the start of the step, and stopped where it first comes near a body
