@@ -6,7 +6,7 @@
 //! the result, because within a colour no body that moves stands twice.
 
 use crate::block::{Cold, LANES};
-use crate::desk::{Arrival, Desk, place_of};
+use crate::desk::{Desk, Found, place_of};
 use crate::line::Line;
 use crate::manifold::{FIXED, Manifold, Memory};
 use crate::paint::Painter;
@@ -121,13 +121,13 @@ impl Contacts {
     }
 
     /// Gives a colour to every contact that has none yet; `rows` is the number of bodies.
-    pub fn paint(&mut self, arrivals: &mut [Vec<Arrival>], rows: usize) {
+    pub fn paint(&mut self, arrivals: &mut [Vec<Found>], rows: usize) {
         self.painter.resize(rows);
         self.painter.paint(arrivals);
     }
 
     /// Gives every contact a lane and writes it there.
-    pub fn place(&mut self, arrivals: &mut [Vec<Arrival>]) {
+    pub fn place(&mut self, arrivals: &mut [Vec<Found>]) {
         let tiled = self.tiled;
         let mut places: Vec<(Key, u32, u32)> = arrivals
             .par_iter()

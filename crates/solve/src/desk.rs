@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A contact that was found.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub struct Found {
     /// What was found.
     pub manifold: Manifold,
     /// What was known of it.
@@ -32,7 +32,7 @@ pub struct Arrival {
     pub lane: Lane,
 }
 
-impl Arrival {
+impl Found {
     /// Where it belongs, having a colour.
     pub(crate) fn key(&self, tiled: bool) -> Key {
         let m = &self.manifold;
@@ -194,7 +194,7 @@ impl<'a> Desk<'a> {
     }
 
     /// Writes a contact to its lane if it belongs there; otherwise tells so.
-    pub fn rewrite(&self, contact: &Arrival) -> bool {
+    pub fn rewrite(&self, contact: &Found) -> bool {
         let stays = self.key(contact.lane) == contact.key(self.tiled);
         if stays {
             self.write(contact);
@@ -203,7 +203,7 @@ impl<'a> Desk<'a> {
     }
 
     /// Writes a contact to its lane.
-    pub(crate) fn write(&self, contact: &Arrival) {
+    pub(crate) fn write(&self, contact: &Found) {
         match contact.lane.class() {
             Class::Ball => self.enter(&self.ball, contact),
             Class::One => self.enter(&self.one, contact),
@@ -212,8 +212,8 @@ impl<'a> Desk<'a> {
         }
     }
 
-    fn enter<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, contact: &Arrival) {
-        let Arrival { manifold, memory, surface, offset, lane: at, .. } = contact;
+    fn enter<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, contact: &Found) {
+        let Found { manifold, memory, surface, offset, lane: at, .. } = contact;
         shelf.put(*at, Single::new(manifold, memory, surface, *offset));
         shelf.put_names(*at, &memory.features, manifold.count);
         self.put_cold(shelf.colds[at.block()], *at, ColdSingle::new(memory, surface, manifold.count));
@@ -295,7 +295,7 @@ mod tests {
     use std::collections::HashSet;
 
     /// A contact of `count` points with numbers that can be told apart.
-    fn arrival(a: u32, b: u32, count: u32, color: u32, cold: bool) -> Arrival {
+    fn arrival(a: u32, b: u32, count: u32, color: u32, cold: bool) -> Found {
         let x = a as f32;
         let point = |p: usize| Vec3::new(x, p as f32, -x);
         let mut memory = Memory {
@@ -312,7 +312,7 @@ mod tests {
         let rolling = if cold { 0.1 } else { 0.0 };
         memory.rolling = Vec3::splat(x * rolling);
         let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
-        Arrival {
+        Found {
             manifold,
             memory,
             surface,
@@ -324,13 +324,13 @@ mod tests {
         }
     }
 
-    fn all() -> Vec<Arrival> {
+    fn all() -> Vec<Found> {
         let kind = |i: u32| (1 + i % 4, i % 3, i.is_multiple_of(5));
         (1..200)
             .map(|i| {
                 let (count, color, cold) = kind(i);
                 let fixed = if i.is_multiple_of(7) { FIXED } else { 0 };
-                Arrival { active: !i.is_multiple_of(11), ..arrival(i, (i + 300) | fixed, count, color, cold) }
+                Found { active: !i.is_multiple_of(11), ..arrival(i, (i + 300) | fixed, count, color, cold) }
             })
             .collect()
     }
@@ -359,12 +359,12 @@ mod tests {
         let mut arrivals = vec![vec![arrival(1, 2, 3, 0, false)]];
         contacts.place(&mut arrivals);
         let old = arrivals[0][0];
-        let mut new = Arrival { lane: old.lane, ..arrival(1, 2, 4, 0, false) };
+        let mut new = Found { lane: old.lane, ..arrival(1, 2, 4, 0, false) };
         let desk = contacts.desk(3);
         assert!(desk.rewrite(&new));
         assert_eq!(desk.read(old.lane).0, new.manifold);
         for other in [arrival(1, 2, 2, 0, false), arrival(1, 2, 4, 1, false), arrival(1, 2, 4, 0, true)] {
-            assert!(!desk.rewrite(&Arrival { lane: old.lane, ..other }));
+            assert!(!desk.rewrite(&Found { lane: old.lane, ..other }));
         }
         new.active = false;
         assert!(!desk.rewrite(&new));
@@ -382,7 +382,7 @@ mod tests {
         let mut contacts = Contacts::default();
         let mut arrivals = vec![all()];
         contacts.place(&mut arrivals);
-        let kept: Vec<&Arrival> =
+        let kept: Vec<&Found> =
             arrivals[0].iter().filter(|a| !a.manifold.a.is_multiple_of(13)).rev().collect();
         let moved = |row: u32| row + 1000;
         let entries: Vec<Entry> = kept

@@ -165,7 +165,7 @@ fn store3<L: Lanes>(v: Lanes3<L>, columns: &mut Column3, k: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desk::Arrival;
+    use crate::desk::Found;
     use crate::line::{Drift, Line, Role};
     use crate::manifold::{Manifold, Memory};
     use crate::shelf::Lane;
@@ -190,7 +190,7 @@ mod tests {
         let mut contacts = Contacts::default();
         let memory = Memory { color: 0, friction, ..Memory::default() };
         let (surface, lane) = (Surface::default(), Lane::NONE);
-        let arrival = Arrival { manifold, memory, surface, offset, active: true, ordinal: 0, balls, lane };
+        let arrival = Found { manifold, memory, surface, offset, active: true, ordinal: 0, balls, lane };
         let mut arrivals = vec![vec![arrival]];
         contacts.place(&mut arrivals);
         let mut lines = vec![Line::default(); 3];

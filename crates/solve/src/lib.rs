@@ -29,7 +29,7 @@ pub mod tally;
 pub mod warm;
 
 pub use contacts::{Contacts, Entry};
-pub use desk::{Arrival, Desk};
+pub use desk::{Desk, Found};
 pub use line::{Columns, Drift, Line};
 pub use manifold::{FIXED, Manifold, Memory, NO_COLOR, row_of};
 pub use shelf::{Lane, WORTH_TILES};

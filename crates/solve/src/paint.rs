@@ -9,7 +9,7 @@
 //! A body with more neighbours than colours leaves some of its contacts in the colour [`OVERFLOW`], which are
 //! solved one after the other, in the order of their rows. None is dropped.
 
-use crate::desk::Arrival;
+use crate::desk::Found;
 use crate::manifold::NO_COLOR;
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
@@ -43,7 +43,7 @@ struct Blank {
 }
 
 impl Blank {
-    fn new(arrival: &Arrival, group: usize, index: usize) -> Self {
+    fn new(arrival: &Found, group: usize, index: usize) -> Self {
         let m = &arrival.manifold;
         let key = u64::from(m.a) << 32 | u64::from(m.b);
         let priority =
@@ -120,12 +120,12 @@ impl Painter {
     }
 
     /// Gives a colour below [`COLORS`], or [`OVERFLOW`], to every contact that has none.
-    pub(crate) fn paint(&self, arrivals: &mut [Vec<Arrival>]) {
+    pub(crate) fn paint(&self, arrivals: &mut [Vec<Found>]) {
         let blanks: Vec<Blank> = arrivals
             .par_iter()
             .enumerate()
             .flat_map_iter(|(group, arrivals)| {
-                let blank = |arrival: &Arrival| arrival.memory.color == NO_COLOR;
+                let blank = |arrival: &Found| arrival.memory.color == NO_COLOR;
                 let numbered = (0..).zip(arrivals).filter(move |(_, arrival)| blank(arrival));
                 numbered.map(move |(index, arrival)| Blank::new(arrival, group, index))
             })
@@ -189,8 +189,8 @@ mod tests {
     use rockfall_math::Vec3;
     use std::collections::HashSet;
 
-    fn arrivals(pairs: &[(u32, u32)]) -> Vec<Arrival> {
-        let one = |&(a, b): &(u32, u32)| Arrival {
+    fn arrivals(pairs: &[(u32, u32)]) -> Vec<Found> {
+        let one = |&(a, b): &(u32, u32)| Found {
             manifold: Manifold { a, b, count: 1, ..Manifold::default() },
             memory: Memory::default(),
             surface: Surface::default(),
@@ -219,7 +219,7 @@ mod tests {
         pairs
     }
 
-    fn colors(groups: &[Vec<Arrival>]) -> Vec<u32> {
+    fn colors(groups: &[Vec<Found>]) -> Vec<u32> {
         groups.iter().flatten().map(|arrival| arrival.memory.color).collect()
     }
 
@@ -239,7 +239,7 @@ mod tests {
     fn colours_depend_on_neither_threads_nor_groups() {
         let pairs = random_pairs(20_000, 2_000);
         let run = |threads: usize, size: usize| {
-            let mut groups: Vec<Vec<Arrival>> = pairs.chunks(size).map(arrivals).collect();
+            let mut groups: Vec<Vec<Found>> = pairs.chunks(size).map(arrivals).collect();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| painter(2_001).paint(&mut groups));
             colors(&groups)

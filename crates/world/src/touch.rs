@@ -13,7 +13,7 @@ use rockfall_collide::{Manifold as Local, collide};
 use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
-use rockfall_solve::{Arrival, Contacts, Desk, FIXED, Lane, Manifold, Memory, NO_COLOR, Surface, row_of};
+use rockfall_solve::{Contacts, Desk, FIXED, Found, Lane, Manifold, Memory, NO_COLOR, Surface, row_of};
 use std::sync::{Mutex, PoisonError};
 
 /// What changed in the contacts of a run.
@@ -22,7 +22,7 @@ pub(crate) struct Changes {
     /// Number of the run.
     run: usize,
     /// Contacts that need a lane; those that have a colour keep it.
-    arrivals: Vec<Arrival>,
+    arrivals: Vec<Found>,
     /// For each of them, its place among the lanes of the run.
     slots: Vec<u32>,
     /// Lanes that were cleared.
@@ -79,8 +79,7 @@ impl Changes {
 
 /// Gives every contact that arrived a colour.
 pub(crate) fn color(changes: &mut [Changes], contacts: &mut Contacts, rows: usize) {
-    let mut arrivals: Vec<Vec<Arrival>> =
-        changes.iter_mut().map(|c| std::mem::take(&mut c.arrivals)).collect();
+    let mut arrivals: Vec<Vec<Found>> = changes.iter_mut().map(|c| std::mem::take(&mut c.arrivals)).collect();
     contacts.paint(&mut arrivals, rows);
     changes.iter_mut().zip(arrivals).for_each(|(changes, arrivals)| changes.arrivals = arrivals);
 }
@@ -207,7 +206,7 @@ impl Fresh {
                 self.goes_on[i] = true;
                 memory.color = self.olds[i].1.color;
             }
-            let contact = Arrival {
+            let contact = Found {
                 manifold,
                 memory,
                 surface: (look.surface)(a, b),
@@ -223,7 +222,7 @@ impl Fresh {
                     changes.freed.push(contact.lane);
                 }
                 changes.slots.push(self.lanes.len() as u32);
-                changes.arrivals.push(Arrival { lane: Lane::NONE, ..contact });
+                changes.arrivals.push(Found { lane: Lane::NONE, ..contact });
                 self.lanes.push(Lane::NONE);
             } else {
                 self.lanes.push(contact.lane);

@@ -258,7 +258,7 @@ mod tests {
     fn lanes(count: usize) -> Vec<Lane> {
         let mut contacts = Contacts::default();
         let manifold = rockfall_solve::Manifold { a: 1, b: 2, count: 1, ..Default::default() };
-        let arrival = rockfall_solve::Arrival {
+        let arrival = rockfall_solve::Found {
             manifold,
             memory: rockfall_solve::Memory { color: 0, ..Default::default() },
             surface: rockfall_solve::Surface::default(),
