@@ -4,7 +4,7 @@ use rockfall::{STAGES, StepReport};
 use std::fmt::Write;
 
 /// Columns before those of the stages; units are part of the names.
-const COLUMNS: [&str; 20] = [
+const COLUMNS: [&str; 22] = [
     "frame",
     "time_s",
     "bodies",
@@ -14,6 +14,8 @@ const COLUMNS: [&str; 20] = [
     "manifolds",
     "contacts",
     "colors",
+    "split",
+    "serial",
     "deepest_penetration_m",
     "mean_penetration_m",
     "kinetic_energy_J",
@@ -42,7 +44,7 @@ pub fn header() -> String {
 pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> String {
     let r = report;
     let mut line = format!(
-        "{frame},{time},{},{},{},{},{},{},{},{},{},{},{}",
+        "{frame},{time},{},{},{},{},{},{},{},{},{},{},{},{},{}",
         r.bodies,
         r.awake,
         r.pairs,
@@ -50,6 +52,8 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
         r.manifolds,
         r.contacts,
         r.colors,
+        r.split,
+        r.serial,
         r.deepest_penetration,
         r.mean_penetration,
         r.kinetic_energy,

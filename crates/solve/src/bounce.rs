@@ -35,8 +35,7 @@ pub fn bounce(
     if contacts.colds.is_empty() {
         return;
     }
-    let rows = Rows::new(columns);
-    sweep(contacts, &rows, width, &Bounce { threshold, gravity, h });
+    sweep(contacts, columns, width, &Bounce { threshold, gravity, h });
 }
 
 struct Bounce {

@@ -18,23 +18,24 @@ impl Contacts {
             return;
         }
         let colds = DisjointRows::new(&mut self.colds);
-        shelf(&self.ball, &colds, lines);
-        shelf(&self.one, &colds, lines);
-        shelf(&self.two, &colds, lines);
-        shelf(&self.four, &colds, lines);
+        let line = |row: u32| self.copies.line(row, lines);
+        shelf(&self.ball, &colds, &line);
+        shelf(&self.one, &colds, &line);
+        shelf(&self.two, &colds, &line);
+        shelf(&self.four, &colds, &line);
     }
 }
 
 fn shelf<const P: usize, const T: usize>(
     shelf: &Shelf<P, T>,
     colds: &DisjointRows<'_, Cold>,
-    lines: &[Line],
+    line: &(impl Fn(u32) -> Line + Sync),
 ) {
     shelf.blocks.par_iter().enumerate().with_min_len(16).for_each(|(i, block)| {
         if let Some(cold) = cold_of(&shelf.colds, i).filter(|_| !shelf.keys[i].is_parked()) {
             // SAFETY: every cold half belongs to one block.
             let cold = unsafe { colds.row(cold) };
-            (0..LANES).filter(|&lane| block.a[lane] != 0).for_each(|lane| refresh(block, cold, lane, lines));
+            (0..LANES).filter(|&lane| block.a[lane] != 0).for_each(|lane| refresh(block, cold, lane, line));
         }
     });
 }
@@ -43,9 +44,9 @@ fn refresh<const P: usize, const T: usize>(
     block: &Block<P, T>,
     cold: &mut Cold,
     lane: usize,
-    lines: &[Line],
+    line: &impl Fn(u32) -> Line,
 ) {
-    let [a, b] = [block.a[lane], block.b[lane]].map(|row| &lines[row as usize]);
+    let [a, b] = [block.a[lane], block.b[lane]].map(line);
     let (n, offset) = (get3(&block.normal, lane), get3(&block.offset, lane));
     for p in 0..P {
         let arm = get3(&block.arms[p], lane);

@@ -6,7 +6,7 @@
 use crate::block::{Cold, LANES};
 use crate::manifold::{Manifold, Memory, row_of};
 use crate::paint::{OVERFLOW, Painter};
-use crate::shelf::{Class, HOT, Key, Lane, Phase, Shelf, TILE};
+use crate::shelf::{Class, Cut, HOT, Key, Lane, Phase, Shelf, TILE};
 use crate::single::{ColdSingle, Single, Surface};
 use rockfall_math::Vec3;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 /// A contact that was found.
 #[derive(Clone, Copy, Debug)]
 pub struct Found {
-    /// What was found.
+    /// What was found; where it has a colour, with the rows of [`Desk::read`].
     pub manifold: Manifold,
     /// What was known of it.
     pub memory: Memory,
@@ -34,24 +34,26 @@ pub struct Found {
 
 impl Found {
     /// Where it belongs, having a colour.
-    pub(crate) fn key(&self, tiled: bool) -> Key {
+    pub(crate) fn key(&self, cut: Cut) -> Key {
         let m = &self.manifold;
         let color = self.memory.color;
-        let (phase, tile) = place_of(m, color, self.active, tiled);
+        let (phase, tile) = place_of(m, color, self.active, cut);
         Key::new(phase, tile, color, Class::of(m.count, self.balls), self.surface.is_cold(m.count))
     }
 }
 
 /// When a manifold has its turn, and in which tile.
-pub(crate) fn place_of(m: &Manifold, color: u32, active: bool, tiled: bool) -> (Phase, u32) {
-    let tile = |row: u32| if tiled { (row_of(row) / TILE) as u32 } else { 0 };
-    let last = color == OVERFLOW;
+pub(crate) fn place_of(m: &Manifold, color: u32, active: bool, cut: Cut) -> (Phase, u32) {
+    let tile = |row: u32| if cut.tiled { (row_of(row) / TILE) as u32 } else { 0 };
+    let copied = m.a >= cut.bodies || row_of(m.b) >= cut.bodies as usize;
+    let outer = if m.is_one_sided() { Phase::Ground } else { Phase::Between };
     match (active, m.is_one_sided()) {
         (false, false) => (Phase::Parked, 0),
         (false, true) => (Phase::ParkedGround, 0),
-        (true, _) if last => (if m.is_one_sided() { Phase::Ground } else { Phase::Between }, Key::NO_TILE),
+        (true, _) if color == OVERFLOW => (outer, Key::NO_TILE),
+        (true, _) if copied => (outer, Key::COPIES),
         (true, true) => (Phase::Ground, tile(m.a)),
-        (true, false) if tiled && tile(m.a) == tile(m.b) => (Phase::Inner, tile(m.a)),
+        (true, false) if cut.tiled && tile(m.a) == tile(m.b) => (Phase::Inner, tile(m.a)),
         (true, false) => (Phase::Between, 0),
     }
 }
@@ -132,7 +134,7 @@ pub struct Desk<'a> {
     four: Open<'a, 4, 1>,
     colds: Words<'a>,
     painter: &'a Painter,
-    tiled: bool,
+    cut: Cut,
 }
 
 impl<'a> Desk<'a> {
@@ -140,7 +142,7 @@ impl<'a> Desk<'a> {
         (ball, one, two, four): Shelves<'a>,
         colds: &'a mut [Cold],
         painter: &'a Painter,
-        tiled: bool,
+        cut: Cut,
     ) -> Self {
         let colds = Words::new(colds);
         Desk {
@@ -150,7 +152,7 @@ impl<'a> Desk<'a> {
             four: Open::new(four),
             colds,
             painter,
-            tiled,
+            cut,
         }
     }
 
@@ -164,7 +166,7 @@ impl<'a> Desk<'a> {
         keys[at.block()]
     }
 
-    /// What a lane holds.
+    /// What a lane holds; of a body that is split, the row of a copy.
     pub fn read(&self, at: Lane) -> (Manifold, Memory) {
         match at.class() {
             Class::Ball => self.take(&self.ball, at),
@@ -195,7 +197,7 @@ impl<'a> Desk<'a> {
 
     /// Writes a contact to its lane if it belongs there; otherwise tells so.
     pub fn rewrite(&self, contact: &Found) -> bool {
-        let stays = self.key(contact.lane) == contact.key(self.tiled);
+        let stays = self.key(contact.lane) == contact.key(self.cut);
         if stays {
             self.write(contact);
         }
@@ -356,11 +358,12 @@ mod tests {
     #[test]
     fn a_contact_is_rewritten_only_where_it_belongs() {
         let mut contacts = Contacts::default();
+        contacts.desk(4);
         let mut arrivals = vec![vec![arrival(1, 2, 3, 0, false)]];
         contacts.place(&mut arrivals);
         let old = arrivals[0][0];
         let mut new = Found { lane: old.lane, ..arrival(1, 2, 4, 0, false) };
-        let desk = contacts.desk(3);
+        let desk = contacts.desk(4);
         assert!(desk.rewrite(&new));
         assert_eq!(desk.read(old.lane).0, new.manifold);
         for other in [arrival(1, 2, 2, 0, false), arrival(1, 2, 4, 1, false), arrival(1, 2, 4, 0, true)] {
@@ -393,7 +396,8 @@ mod tests {
                 b: moved(contact.manifold.b),
             })
             .collect();
-        let lanes = contacts.sort(&entries, true, 100_000);
+        let new_rows: Vec<u32> = (0..600).map(moved).collect();
+        let lanes = contacts.sort(entries, true, 100_000, &new_rows);
         assert_eq!(contacts.tally().manifolds, kept.len());
         for (contact, &lane) in kept.iter().zip(&lanes) {
             let m = &contact.manifold;

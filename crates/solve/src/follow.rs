@@ -14,8 +14,7 @@ use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Lets all contacts follow their bodies.
 pub fn follow(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
-    let rows = Rows::new(columns);
-    over_all(contacts, &rows, width, &Follow);
+    over_all(contacts, columns, width, &Follow);
 }
 
 struct Follow;
@@ -195,9 +194,10 @@ mod tests {
         contacts.place(&mut arrivals);
         let mut lines = vec![Line::default(); 3];
         contacts.prepare(&lines);
+        let mut drifts = vec![Drift::default(), a, b];
         let mut columns = Columns {
             lines: &mut lines,
-            drifts: &mut [Drift::default(), a, b],
+            drifts: &mut drifts,
             references: &mut [[0.0; 8]; 3],
             rotations: &mut [Quat::IDENTITY; 3],
             frames: &[Quat::IDENTITY; 3],

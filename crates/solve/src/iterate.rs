@@ -22,8 +22,7 @@ use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// One sweep over all contacts.
 pub fn iterate(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
-    let rows = Rows::new(columns);
-    sweep(contacts, &rows, width, &Iterate { step: *step });
+    sweep(contacts, columns, width, &Iterate { step: *step });
 }
 
 struct Iterate {

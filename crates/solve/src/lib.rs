@@ -8,6 +8,7 @@ pub mod block;
 pub mod bounce;
 mod cold;
 pub mod contacts;
+mod copies;
 pub mod desk;
 pub mod drift;
 mod effective;

@@ -94,13 +94,14 @@ pub enum Role {
     Free,
 }
 
-/// The columns of the bodies that a solver reads and writes, all of one length; row 0 is the world.
+/// The columns of the bodies that a solver reads and writes, all of one length; row 0 is the world. In a sweep the first two are
+/// longer: see [`crate::copies`].
 #[derive(Debug)]
 pub struct Columns<'a> {
     /// Velocities and inverse masses.
-    pub lines: &'a mut [Line],
+    pub lines: &'a mut Vec<Line>,
     /// Motion since the step began.
-    pub drifts: &'a mut [Drift],
+    pub drifts: &'a mut Vec<Drift>,
     /// Velocities from which the next warm start is measured; see [`crate::push`].
     pub references: &'a mut [Row],
     /// Body to world, unit quaternions.

@@ -6,11 +6,11 @@
 //! its bodies takes the lowest colour that is free at both (Jones and Plassmann, "A Parallel Graph Coloring Heuristic",
 //! SIAM J. Sci. Comput. 14(3), 1993). Which colours come out depends on the keys of the pairs alone.
 //!
-//! A body with more neighbours than colours leaves some of its contacts in the colour [`OVERFLOW`], which are
-//! solved one after the other, in the order of their rows. None is dropped.
+//! A body with more neighbours than colours leaves some of its contacts in the colour [`OVERFLOW`]. That is the sign for splitting it
+//! ([`crate::copies`]), after which they find colours. What is left even then is solved one after the other, in the order of the
+//! rows. None is dropped.
 
-use crate::desk::Found;
-use crate::manifold::NO_COLOR;
+use crate::manifold::{FIXED, NO_COLOR};
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
@@ -32,24 +32,20 @@ fn stands_back(priority: u64, degree: u32) -> bool {
 
 /// A contact that has no colour yet.
 #[derive(Clone, Copy, Debug)]
-struct Blank {
+pub(crate) struct Blank {
     a: u32,
     /// Where contacts move it.
     b: Option<u32>,
     /// Distinct for distinct contacts.
     priority: u64,
-    group: u32,
-    index: u32,
 }
 
 impl Blank {
-    fn new(arrival: &Found, group: usize, index: usize) -> Self {
-        let m = &arrival.manifold;
-        let key = u64::from(m.a) << 32 | u64::from(m.b);
-        let priority =
-            if arrival.ordinal == 0 { mix(key) } else { combine(mix(key), arrival.ordinal.into()) };
-        let b = (!m.is_one_sided()).then_some(m.b);
-        Blank { a: m.a, b, priority, group: group as u32, index: index as u32 }
+    /// Of two rows, the second marked where contacts can't move it; `ordinal` is distinct for contacts of the same rows.
+    pub(crate) fn new(a: u32, b: u32, ordinal: u32) -> Self {
+        let key = u64::from(a) << 32 | u64::from(b);
+        let priority = if ordinal == 0 { mix(key) } else { combine(mix(key), ordinal.into()) };
+        Blank { a, b: (b & FIXED == 0).then_some(b), priority }
     }
 
     /// The bodies that contacts move.
@@ -119,88 +115,62 @@ impl Painter {
         }
     }
 
-    /// Gives a colour below [`COLORS`], or [`OVERFLOW`], to every contact that has none.
-    pub(crate) fn paint(&self, arrivals: &mut [Vec<Found>]) {
-        let blanks: Vec<Blank> = arrivals
-            .par_iter()
-            .enumerate()
-            .flat_map_iter(|(group, arrivals)| {
-                let blank = |arrival: &Found| arrival.memory.color == NO_COLOR;
-                let numbered = (0..).zip(arrivals).filter(move |(_, arrival)| blank(arrival));
-                numbered.map(move |(index, arrival)| Blank::new(arrival, group, index))
-            })
-            .collect();
+    /// A colour below [`COLORS`], or [`OVERFLOW`], for each of some contacts that have none; it is taken at their bodies.
+    pub(crate) fn paint(&self, blanks: &[Blank]) -> Vec<u32> {
         let Painter { tops, degrees, .. } = self;
-        blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| degrees[row].store(0, Relaxed));
-        blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| {
+        let colors: Vec<AtomicU32> = blanks.par_iter().map(|_| AtomicU32::new(NO_COLOR)).collect();
+        let rows = || blanks.par_iter().flat_map_iter(Blank::rows);
+        rows().for_each(|row| degrees[row].store(0, Relaxed));
+        rows().for_each(|row| {
             degrees[row].fetch_add(1, Relaxed);
         });
-        let (crowded, mut blanks): (Vec<Blank>, Vec<Blank>) = blanks.into_par_iter().partition(|blank| {
-            blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed)))
+        let mut left: Vec<(&Blank, &AtomicU32)> = blanks.par_iter().zip(&colors).collect();
+        left.par_iter().for_each(|(blank, color)| {
+            if blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed))) {
+                color.store(OVERFLOW, Relaxed);
+            }
         });
-        let mut color = |blank: &Blank, color: u32| {
-            arrivals[blank.group as usize][blank.index as usize].memory.color = color;
-        };
-        crowded.iter().for_each(|blank| color(blank, OVERFLOW));
-
-        while !blanks.is_empty() {
-            blanks.par_iter().flat_map_iter(Blank::rows).for_each(|row| tops[row].store(0, Relaxed));
-            blanks.par_iter().for_each(|blank| {
+        let is_blank = |(_, color): &(&Blank, &AtomicU32)| color.load(Relaxed) == NO_COLOR;
+        loop {
+            left = left.into_par_iter().filter(is_blank).collect();
+            if left.is_empty() {
+                break;
+            }
+            let rows = || left.par_iter().flat_map_iter(|(blank, _)| blank.rows());
+            rows().for_each(|row| tops[row].store(0, Relaxed));
+            left.par_iter().for_each(|(blank, _)| {
                 blank.rows().for_each(|row| {
                     tops[row].fetch_max(blank.priority, Relaxed);
                 });
             });
-            let winners: Vec<Option<u32>> = blanks
-                .par_iter()
-                .map(|blank| {
-                    if blank.rows().any(|row| tops[row].load(Relaxed) != blank.priority) {
-                        return None;
-                    }
+            let taken =
+                |blank: &Blank| self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed));
+            left.par_iter().for_each(|(blank, color)| {
+                if blank.rows().all(|row| tops[row].load(Relaxed) == blank.priority) {
                     // The only winner at its bodies: nobody else touches these masks in this round.
-                    let taken = self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed));
-                    let color = taken.trailing_ones().min(OVERFLOW);
-                    self.take(color, blank.a, blank.b);
-                    Some(color)
-                })
-                .collect();
-            // A body without a free colour can't lose its blanks one a round.
-            let full = |blank: &Blank| {
-                self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed)) == u64::MAX
-            };
-            let mut rest = Vec::with_capacity(blanks.len());
-            for (blank, winner) in blanks.into_iter().zip(winners) {
-                match winner {
-                    Some(found) => color(&blank, found),
-                    None if full(&blank) => color(&blank, OVERFLOW),
-                    None => rest.push(blank),
+                    let found = taken(blank).trailing_ones().min(OVERFLOW);
+                    self.take(found, blank.a, blank.b);
+                    color.store(found, Relaxed);
                 }
-            }
-            blanks = rest;
+            });
+            // A body without a free colour can't lose its blanks one a round.
+            left.par_iter().filter(|blank| is_blank(blank) && taken(blank.0) == u64::MAX).for_each(
+                |(_, color)| {
+                    color.store(OVERFLOW, Relaxed);
+                },
+            );
         }
+        colors.into_par_iter().map(AtomicU32::into_inner).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::manifold::{FIXED, Manifold, Memory};
-    use crate::shelf::Lane;
-    use crate::single::Surface;
-    use rockfall_math::Vec3;
     use std::collections::HashSet;
 
-    fn arrivals(pairs: &[(u32, u32)]) -> Vec<Found> {
-        let one = |&(a, b): &(u32, u32)| Found {
-            manifold: Manifold { a, b, count: 1, ..Manifold::default() },
-            memory: Memory::default(),
-            surface: Surface::default(),
-            offset: Vec3::ZERO,
-            active: true,
-            ordinal: 0,
-            balls: false,
-            lane: Lane::NONE,
-        };
-        pairs.iter().map(one).collect()
+    fn blanks(pairs: &[(u32, u32)]) -> Vec<Blank> {
+        pairs.iter().map(|&(a, b)| Blank::new(a, b, 0)).collect()
     }
 
     fn painter(rows: usize) -> Painter {
@@ -219,65 +189,49 @@ mod tests {
         pairs
     }
 
-    fn colors(groups: &[Vec<Found>]) -> Vec<u32> {
-        groups.iter().flatten().map(|arrival| arrival.memory.color).collect()
-    }
-
     #[test]
     fn no_body_stands_twice_in_a_colour() {
         let pairs = random_pairs(20_000, 2_000);
-        let mut groups = vec![arrivals(&pairs)];
-        painter(2_001).paint(&mut groups);
         let mut seen = HashSet::new();
-        for (&(a, b), color) in pairs.iter().zip(colors(&groups)) {
+        for (&(a, b), color) in pairs.iter().zip(painter(2_001).paint(&blanks(&pairs))) {
             assert!(color < COLORS);
             assert!(seen.insert((a, color)) && seen.insert((b, color)));
         }
     }
 
     #[test]
-    fn colours_depend_on_neither_threads_nor_groups() {
-        let pairs = random_pairs(20_000, 2_000);
-        let run = |threads: usize, size: usize| {
-            let mut groups: Vec<Vec<Found>> = pairs.chunks(size).map(arrivals).collect();
+    fn colours_do_not_depend_on_threads() {
+        let blanks = blanks(&random_pairs(20_000, 2_000));
+        let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| painter(2_001).paint(&mut groups));
-            colors(&groups)
+            pool.install(|| painter(2_001).paint(&blanks))
         };
-        assert_eq!(run(1, 100_000), run(3, 100));
+        assert_eq!(run(1), run(3));
     }
 
     #[test]
     fn a_hub_overflows_and_loses_nothing() {
         let pairs: Vec<(u32, u32)> = (2..5_002).map(|b| (1, b)).collect();
-        let mut groups = vec![arrivals(&pairs)];
-        painter(5_002).paint(&mut groups);
-        let colors = colors(&groups);
+        let colors = painter(5_002).paint(&blanks(&pairs));
         assert_eq!(colors.iter().filter(|&&c| c == OVERFLOW).count(), 5_000 - COLORS as usize);
         assert_eq!(colors.iter().filter(|&&c| c < COLORS).collect::<HashSet<_>>().len(), COLORS as usize);
     }
 
     #[test]
-    fn colours_are_kept_and_freed_ones_used_again() {
-        let mut groups = vec![arrivals(&[(1, 2), (1, 3), (1, 4)])];
+    fn freed_colours_are_used_again() {
         let painter = painter(5);
-        painter.paint(&mut groups);
-        let before = colors(&groups);
+        let before = painter.paint(&blanks(&[(1, 2), (1, 3), (1, 4)]));
         painter.free(before[1], 1, Some(3));
-        groups[0][1].memory.color = NO_COLOR;
-        painter.paint(&mut groups);
-        assert_eq!(before, colors(&groups));
+        assert_eq!(painter.paint(&blanks(&[(1, 3)])), [before[1]]);
     }
 
     #[test]
     fn contacts_with_immovable_bodies_have_colours_of_their_own() {
-        let mut groups =
-            vec![arrivals(&[(1, 2), (1, 3 | FIXED), (1, 4 | FIXED), (1, 4 | FIXED), (2, 4 | FIXED)])];
-        groups[0][3].ordinal = 1;
-        painter(5).paint(&mut groups);
-        let colors = colors(&groups);
-        let of_one: HashSet<u32> = colors[1..4].iter().copied().collect();
+        let mut blanks = blanks(&[(1, 2), (1, 3 | FIXED), (1, 4 | FIXED), (2, 4 | FIXED)]);
+        blanks.push(Blank::new(1, 4 | FIXED, 1));
+        let colors = painter(5).paint(&blanks);
+        let of_one = HashSet::from([colors[1], colors[2], colors[4]]);
         assert_eq!(of_one, HashSet::from([0, 1, 2]));
-        assert_eq!((colors[0], colors[4]), (0, 0));
+        assert_eq!((colors[0], colors[3]), (0, 0));
     }
 }

@@ -59,16 +59,17 @@ impl Plan {
                 let of_phase = || keys().filter(|key| key.phase() == phase).copied();
                 let (loose, last): (Vec<Key>, Vec<Key>) = of_phase().partition(|key| key.color() < OVERFLOW);
                 let tiled = contacts.is_tiled() && phase != Phase::Between;
-                if tiled && !loose.is_empty() {
-                    let tiles = loose.chunk_by(|a, b| a.tile() == b.tile());
+                let cut = if tiled { loose.partition_point(|key| !key.is_of_copies()) } else { 0 };
+                let (tiled, layered) = loose.split_at(cut);
+                if !tiled.is_empty() {
+                    let tiles = tiled.chunk_by(|a, b| a.tile() == b.tile());
                     let tiles = tiles.map(|keys| plan.add(contacts, keys)).collect();
                     plan.parts.push(Part::Tiles(tiles));
-                } else {
-                    for keys in loose.chunk_by(|a, b| a.color() == b.color()) {
-                        let spans = plan.add(contacts, keys);
-                        let blocks = plan.spans[spans.clone()].iter().map(|s| (s.to - s.from) as usize).sum();
-                        plan.parts.push(Part::Layer(spans, blocks));
-                    }
+                }
+                for keys in layered.chunk_by(|a, b| (a.tile(), a.color()) == (b.tile(), b.color())) {
+                    let spans = plan.add(contacts, keys);
+                    let blocks = plan.spans[spans.clone()].iter().map(|s| (s.to - s.from) as usize).sum();
+                    plan.parts.push(Part::Layer(spans, blocks));
                 }
                 if !last.is_empty() {
                     plan.add(contacts, &last);
@@ -80,9 +81,10 @@ impl Plan {
         plan
     }
 
-    /// Whether there are contacts whose order has to be found anew when one of them comes or goes.
-    pub(crate) fn is_serial(&self) -> bool {
-        self.parts.iter().any(|part| matches!(part, Part::Serial(_)))
+    /// Contacts that are solved one by one. Where there are any, their order has to be found anew when one of them comes or goes.
+    pub(crate) fn serial(&self) -> usize {
+        let one_by_one = |part: &Part| if let Part::Serial(spans) = part { spans.len() } else { 0 };
+        self.parts.iter().map(one_by_one).sum()
     }
 
     pub(crate) fn memory(&self) -> usize {

@@ -107,9 +107,8 @@ fn simple_step<R: Respond>(
         push(columns, plan.gravity, half, i == 0);
         forget(columns);
         for iteration in 0..ITERATIONS {
-            let rows = Rows::new(columns);
             let visit = Simple { respond, separate: iteration == 0 };
-            sweep(contacts, &rows, Width::Scalar, &visit);
+            sweep(contacts, columns, Width::Scalar, &visit);
         }
         forget(columns);
         push(columns, plan.gravity, half, false);

@@ -96,6 +96,15 @@ pub(crate) const TILE: usize = 4096;
 /// keep all threads busy.
 pub const WORTH_TILES: usize = 16 * TILE;
 
+/// How rows are cut into parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Cut {
+    /// Whether into tiles.
+    pub(crate) tiled: bool,
+    /// Rows of bodies; behind them stand copies (see [`crate::copies`]).
+    pub(crate) bodies: u32,
+}
+
 /// What the contacts of a block have in common: phase, tile, colour, class, and whether they have a cold half, in the order in
 /// which contacts are swept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -105,6 +114,8 @@ impl Key {
     const TILES: u32 = 19;
     /// The tile of contacts that belong to none; behind all others.
     pub(crate) const NO_TILE: u32 = (1 << Self::TILES) - 1;
+    /// The tile of contacts of copies, which belong to no tile either.
+    pub(crate) const COPIES: u32 = Self::NO_TILE - 1;
 
     pub(crate) fn new(phase: Phase, tile: u32, color: u32, class: Class, cold: bool) -> Self {
         debug_assert!(tile <= Self::NO_TILE && color <= OVERFLOW);
@@ -130,6 +141,11 @@ impl Key {
 
     pub(crate) fn is_cold(self) -> bool {
         self.0 & 1 == 1
+    }
+
+    /// Whether one of the bodies of its contacts is split.
+    pub(crate) fn is_of_copies(self) -> bool {
+        self.tile() == Self::COPIES
     }
 
     pub(crate) fn is_parked(self) -> bool {
@@ -209,6 +225,11 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
             memory.twist += colds[cold].twist_impulse[lane];
         }
         (manifold, memory)
+    }
+
+    /// The two rows of a lane.
+    pub(crate) fn rows(&self, block: usize, lane: usize) -> (u32, u32) {
+        (self.blocks[block].a[lane], self.blocks[block].b[lane])
     }
 
     /// Adds an idle block and returns its number.

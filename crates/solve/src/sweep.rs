@@ -37,8 +37,14 @@ pub(crate) trait Visit: Sync {
     );
 }
 
-/// Runs `visit` over every block, in the order of the plan.
-pub(crate) fn sweep<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
+/// Runs `visit` over every block, in the order of the plan, and unites what it did to the copies of split bodies.
+pub(crate) fn sweep<V: Visit>(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, visit: &V) {
+    contacts.copies.part(columns);
+    visit_all(contacts, &Rows::new(columns), width, visit);
+    contacts.copies.unite(columns);
+}
+
+fn visit_all<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
     let (plan, shelves) = Shelves::open(contacts);
     let over = |width: Width, spans| width.run(OverSpans { spans, shelves: &shelves, rows, visit });
     for part in &plan.parts {
@@ -60,10 +66,18 @@ pub(crate) fn sweep<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: W
 }
 
 /// Runs `visit`, which writes no bodies, over every block in no order.
-pub(crate) fn over_all<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
+pub(crate) fn over_all<V: Visit>(
+    contacts: &mut Contacts,
+    columns: &mut Columns<'_>,
+    width: Width,
+    visit: &V,
+) {
+    contacts.copies.part(columns);
+    let rows = Rows::new(columns);
     let (plan, shelves) = Shelves::open(contacts);
     let whole = plan.spans.par_chunks(4);
-    whole.for_each(|spans| width.run(OverSpans { spans, shelves: &shelves, rows, visit }));
+    whole.for_each(|spans| width.run(OverSpans { spans, shelves: &shelves, rows: &rows, visit }));
+    contacts.copies.unite(columns);
 }
 
 /// The blocks of a class and the numbers of their cold halves.

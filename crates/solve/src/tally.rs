@@ -44,7 +44,9 @@ impl Contacts {
 
     /// The two rows of every contact, the second marked where contacts can't move it; in any order.
     pub fn rows(&self) -> impl ParallelIterator<Item = (u32, u32)> + '_ {
-        rows(&self.ball).chain(rows(&self.one)).chain(rows(&self.two)).chain(rows(&self.four))
+        let all = rows(&self.ball).chain(rows(&self.one)).chain(rows(&self.two)).chain(rows(&self.four));
+        let body = |row: u32| self.copies.body(row & !FIXED) | row & FIXED;
+        all.map(move |(a, b)| (body(a), body(b)))
     }
 }
 

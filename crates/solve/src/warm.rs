@@ -14,8 +14,7 @@ use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses.
 pub fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
-    let rows = Rows::new(columns);
-    sweep(contacts, &rows, width, &Warm);
+    sweep(contacts, columns, width, &Warm);
 }
 
 struct Warm;

@@ -52,7 +52,7 @@ pub(crate) fn apply(
     let movers = order.par_iter().filter(|row| bodies.is_mover(**row as usize)).count();
     let tiled = if sort { movers >= WORTH_TILES } else { contacts.is_tiled() };
     let sorted = order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize);
-    if sorted && tiled == contacts.is_tiled() {
+    if sorted && tiled == contacts.is_tiled() && !(fresh > 0 && contacts.split_bodies() > 0) {
         return fresh > 0;
     }
     bodies.reorder(&order);
@@ -61,7 +61,7 @@ pub(crate) fn apply(
         new_rows[old as usize] = new as u32;
     }
     let entries = touches.rename(&new_rows);
-    let lanes = contacts.sort(&entries, tiled, bodies.rows());
+    let lanes = contacts.sort(entries, tiled, bodies.rows(), &new_rows);
     touches.relocate(&lanes);
     true
 }

@@ -29,6 +29,10 @@ pub struct StepReport {
     pub contacts: usize,
     /// Colours in use.
     pub colors: usize,
+    /// Bodies with so many contacts that they are split into copies for the solver.
+    pub split: usize,
+    /// Manifolds that found no colour and are solved one after the other, by one thread.
+    pub serial: usize,
     /// Bytes of contacts that the solver goes over in a sweep; a step of n sub-steps has 2 n + 1 of them.
     pub swept_bytes: usize,
     /// Largest overlap of a contact point at the start of the step, metres, not negative.

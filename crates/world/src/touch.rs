@@ -84,7 +84,7 @@ pub(crate) fn color(changes: &mut [Changes], contacts: &mut Contacts, rows: usiz
     changes.iter_mut().zip(arrivals).for_each(|(changes, arrivals)| changes.arrivals = arrivals);
 }
 
-/// Gives every contact that arrived a lane, and takes back those that were cleared.
+/// Gives every contact that arrived a lane, and takes back those that were cleared. Splits bodies that have come to have too many.
 pub(crate) fn settle_in(changes: Vec<Changes>, touches: &mut Touches, contacts: &mut Contacts) {
     changes.iter().for_each(|changes| contacts.free(&changes.freed));
     let (places, mut arrivals): (Vec<_>, Vec<_>) =
@@ -93,6 +93,9 @@ pub(crate) fn settle_in(changes: Vec<Changes>, touches: &mut Touches, contacts: 
     for ((run, slots), arrivals) in places.iter().zip(&arrivals) {
         let lanes = &mut touches.runs[*run].lanes;
         slots.iter().zip(arrivals).for_each(|(&slot, arrival)| lanes[slot as usize] = arrival.lane);
+    }
+    if contacts.is_crowded() {
+        contacts.split(touches.entries()).into_iter().for_each(|lanes| touches.relocate(&lanes));
     }
 }
 
@@ -200,11 +203,13 @@ impl Fresh {
                 changes.broken.push(a);
                 continue;
             }
-            let (manifold, mut memory, source) = recognise(bodies, rows(key), local, &self.olds);
+            let (mut manifold, mut memory, source) = recognise(bodies, rows(key), local, &self.olds);
             let source = source.filter(|&i| !self.goes_on[i]);
             if let Some(i) = source {
                 self.goes_on[i] = true;
-                memory.color = self.olds[i].1.color;
+                let (old, known) = &self.olds[i];
+                // A colour goes with the rows that it is taken at, which may be those of copies.
+                (manifold.a, manifold.b, memory.color) = (old.a, old.b, known.color);
             }
             let contact = Found {
                 manifold,

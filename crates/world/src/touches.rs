@@ -153,6 +153,11 @@ impl Touches {
             .into_par_iter()
             .map(|(keys, recalls, lanes, firsts)| Run { keys, befores: Vec::new(), firsts, recalls, lanes })
             .collect();
+        self.entries()
+    }
+
+    /// Every contact with its rows, in the order of the keys. Not between [`crate::pair`] and [`crate::touch`].
+    pub(crate) fn entries(&self) -> Vec<Entry> {
         let entry = |(key, lane)| Entry { lane, a: rows(key).0, b: rows(key).1 };
         self.runs.par_iter().flat_map_iter(|run| run.entries().map(entry)).collect()
     }

@@ -13,6 +13,8 @@ struct Pile {
     n: usize,
     layers: usize,
     steps: usize,
+    /// A slab as wide as the pit comes down on the pile.
+    slab: bool,
 }
 
 /// In what the runs of one pile may differ.
@@ -59,6 +61,11 @@ impl Pile {
             let id = Some(BodyId(100 + i as u64));
             bodies.push(Body { id, ..stage.body(shapes[i % shapes.len()], pose) });
         }
+        if self.slab {
+            let slab = stage.cuboid(half as f32 - 0.01, half as f32 - 0.01, 0.2);
+            let pose = Pose::at(DVec3::new(0.0, 0.0, 0.6 * self.layers as f64 + 0.7));
+            bodies.push(Body { id: Some(BodyId(50)), ..stage.body(slab, pose) });
+        }
         if run.backwards {
             bodies.reverse();
             let rest = bodies.split_off(bodies.len() / 3);
@@ -67,11 +74,13 @@ impl Pile {
         } else {
             stage.world.spawn_all(bodies).expect("the bodies make sense");
         }
-        let mut contacts = 0;
+        let (mut contacts, mut split) = (0, 0);
         for _ in 0..self.steps {
-            contacts = contacts.max(stage.world.step().contacts);
+            let report = stage.world.step();
+            (contacts, split) = (contacts.max(report.contacts), split.max(report.split));
         }
         assert!(stage.all_finite());
+        assert_eq!(split, usize::from(self.slab));
         (stage.world.hash(), contacts)
     }
 
@@ -91,7 +100,7 @@ impl Pile {
 const FIRST: Run = Run { threads: 1, lanes: 1, backwards: false };
 
 /// A pile whose contacts fill several blocks of every colour.
-const SMALL: Pile = Pile { n: 9, layers: 12, steps: 200 };
+const SMALL: Pile = Pile { n: 9, layers: 12, steps: 200, slab: false };
 
 /// Promise: 1, 2, 3 and 8 threads (more than the machine may have) give the same hash of all poses and velocities.
 #[test]
@@ -114,10 +123,22 @@ fn insertion_order_determinism() {
     SMALL.same(&runs, 4000);
 }
 
+/// Promise: the same with a body that has so many contacts that the solver splits it.
+#[test]
+fn determinism_with_a_split_body() {
+    let pile = Pile { n: 16, layers: 4, steps: 150, slab: true };
+    let runs = [
+        FIRST,
+        Run { threads: 2, lanes: 16, backwards: false },
+        Run { threads: 3, lanes: 4, backwards: true },
+    ];
+    pile.same(&runs, 2000);
+}
+
 /// Promise: the same in a world so large that the solver cuts its rows into tiles.
 #[test]
 fn determinism_across_tiles() {
-    let pile = Pile { n: 42, layers: 40, steps: 10 };
+    let pile = Pile { n: 42, layers: 40, steps: 10, slab: false };
     let runs = [
         Run { threads: 2, lanes: 16, backwards: false },
         Run { threads: 1, lanes: 4, backwards: false },
@@ -161,7 +182,7 @@ fn tiles_do_not_depend_on_the_order_of_insertion() {
 #[test]
 #[ignore = "ten minutes: cargo test --release -p rockfall --test same_bits -- --ignored"]
 fn large_pile_determinism() {
-    let pile = Pile { n: 30, layers: 22, steps: 1000 };
+    let pile = Pile { n: 30, layers: 22, steps: 1000, slab: false };
     let runs = [
         Run { threads: 2, lanes: 0, backwards: false },
         Run { threads: 1, lanes: 4, backwards: false },

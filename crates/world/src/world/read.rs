@@ -128,14 +128,15 @@ impl World {
             let (a, b) = rows(key);
             whole(a) && whole(b)
         });
-        pairs.flat_map(move |(_, lane)| {
+        pairs.flat_map(move |(key, lane)| {
             let (m, memory) = self.contacts.read(lane);
+            let (a, b) = rows(key);
             // Bodies have moved since the contact was found; the arms are those of the start of the step.
-            let row = row_of(m.a);
+            let row = row_of(a);
             let start = self.bodies.positions[row] - self.bodies.drifts[row].translation().as_dvec3();
             (0..m.count as usize).map(move |p| Contact {
-                a: id(m.a),
-                b: id(m.b),
+                a: id(a),
+                b: id(b),
                 position: start + m.arms[p].as_dvec3(),
                 normal: m.normal,
                 distance: m.distances[p],

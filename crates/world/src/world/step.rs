@@ -90,6 +90,8 @@ impl World {
         report.time = report.step as f64 / f64::from(settings.rate);
         report.pairs = touches.pairs();
         report.colors = contacts.colors();
+        report.split = contacts.split_bodies();
+        report.serial = contacts.serial();
         measure(report, sums, bodies, contacts, settings);
         clock.lap();
         report.times = clock.times();
