@@ -10,6 +10,7 @@
 //! surface; from there the velocity is taken ahead again. So a perfectly elastic ball neither gains nor loses height,
 //! whatever the step and wherever in it the ball hits.
 
+use crate::advance::Stay;
 use crate::block::{Block, Cold, load, load3, store};
 use crate::contacts::Contacts;
 use crate::iterate::rub;
@@ -35,7 +36,7 @@ pub fn bounce(
     if contacts.colds.is_empty() {
         return;
     }
-    sweep(contacts, columns, width, &Bounce { threshold, gravity, h });
+    sweep(contacts, columns, width, &Stay, &Bounce { threshold, gravity, h });
 }
 
 struct Bounce {

@@ -12,7 +12,7 @@ use crate::line::Line;
 use crate::manifold::{FIXED, Manifold, Memory, NO_COLOR};
 use crate::paint::{Blank, OVERFLOW, Painter};
 use crate::plan::Plan;
-use crate::shelf::{CLASSES, Class, Cut, HOT, Key, Lane, Shelf};
+use crate::shelf::{CLASSES, Class, Cut, HOT, Key, Lane, Shelf, TILE};
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use std::collections::BTreeMap;
@@ -96,6 +96,11 @@ impl Contacts {
 
     fn cut(&self) -> Cut {
         Cut { tiled: self.tiled, bodies: self.copies.first() }
+    }
+
+    /// Number of tiles, if rows are cut.
+    pub(crate) fn tiles(&self) -> usize {
+        (self.copies.first() as usize).div_ceil(TILE)
     }
 
     /// Bytes that one sweep over all blocks reads, those of bodies aside.
@@ -219,7 +224,9 @@ impl Contacts {
 
     /// Makes ready for a step: the order of the sweeps, and what cold halves need to know of the bodies.
     pub fn prepare(&mut self, lines: &[Line]) {
-        if self.grown || self.plan.serial() > 0 {
+        // Bodies that came behind all others may have begun another tile.
+        let more = self.tiled && self.plan.inner.len() != self.tiles();
+        if self.grown || more || self.plan.serial() > 0 {
             self.plan = Plan::new(self);
             self.grown = false;
         }

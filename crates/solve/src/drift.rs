@@ -9,66 +9,62 @@
 //! order, stable at any speed, the energy does not drift, and the angular momentum is kept to rounding. Each turn by the
 //! angle α is a Cayley turn by 2 atan(α/2): it needs no trigonometry and keeps lengths exactly.
 
-use crate::line::{Columns, Role};
-use crate::push::{ROWS, unlocked};
-use rayon::prelude::*;
+use crate::advance::{Advance, Body};
+use crate::line::Role;
+use crate::push::unlocked;
 use rockfall_math::rotation::{compose, from_rotation_vector, inverse, normalize};
 use rockfall_math::{DQuat, DVec3, Quat, Vec3};
 
 /// A body that turns by less than this in a sub-step (rad, squared) has a gyroscopic term below rounding of its contacts'.
 const SLOW: f32 = 1e-6;
 
-/// Advances positions and rotations by `h` seconds.
-pub fn drift(columns: &mut Columns<'_>, h: f32) {
-    (
-        &mut *columns.lines,
-        &mut *columns.drifts,
-        &mut *columns.references,
-        &mut *columns.rotations,
-        columns.frames,
-        columns.inverse_moments,
-        columns.roles,
-        columns.locks,
-    )
-        .into_par_iter()
-        .with_min_len(ROWS)
-        .for_each(|(line, drift, reference, rotation, &frame, &moments, &role, &locks)| {
-            if role == Role::Still {
-                return;
-            }
-            let (mut v, mut w) = (line.velocity(), line.angular_velocity());
-            if role == Role::Free && locks != 0 {
-                (v, w) = (unlocked(v, locks), unlocked(w, locks >> 3));
-            }
-            if !v.is_finite() || !w.is_finite() {
-                // The pose stays what it was; the world freezes the body when it settles.
-                return;
-            }
-            drift.set(drift.translation() + v * h, drift.rotation() + w * h);
-            if role == Role::Driven {
-                *rotation = normalize(compose(from_rotation_vector(w * h), *rotation));
-                return;
-            }
-            let turned = w.length_squared() * h * h;
-            let round = moments.x == moments.y && moments.y == moments.z;
-            let after = if round || locks >> 3 != 0 || turned < SLOW || moments.min_element() <= 0.0 {
-                let half = w * (0.5 * h);
-                *rotation = normalize(compose(Quat::from_xyzw(half.x, half.y, half.z, 1.0), *rotation));
-                w
-            } else {
-                let (q, after) = spin(compose(*rotation, frame), w, moments, h);
-                *rotation = normalize(compose(q, inverse(frame)));
-                after
-            };
-            // What contacts gave stays measurable as velocity − reference, the free turn aside.
-            for (r, (old, new)) in reference[..6]
-                .iter_mut()
-                .zip(line.motion[..6].iter().zip(v.to_array().into_iter().chain(after.to_array())))
-            {
-                *r += new - old;
-            }
-            line.set_velocities(v, after);
-        });
+/// Advances positions and rotations by so many seconds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Transform {
+    pub(crate) h: f32,
+}
+
+impl Advance for Transform {
+    #[inline]
+    fn advance(&self, body: Body<'_>) {
+        let Body { line, drift, reference, rotation, frame, inverse_moments, role, locks, .. } = body;
+        let (h, moments) = (self.h, *inverse_moments);
+        if role == Role::Still {
+            return;
+        }
+        let (mut v, mut w) = (line.velocity(), line.angular_velocity());
+        if role == Role::Free && locks != 0 {
+            (v, w) = (unlocked(v, locks), unlocked(w, locks >> 3));
+        }
+        if !v.is_finite() || !w.is_finite() {
+            // The pose stays what it was; the world freezes the body when it settles.
+            return;
+        }
+        drift.set(drift.translation() + v * h, drift.rotation() + w * h);
+        if role == Role::Driven {
+            *rotation = normalize(compose(from_rotation_vector(w * h), *rotation));
+            return;
+        }
+        let turned = w.length_squared() * h * h;
+        let round = moments.x == moments.y && moments.y == moments.z;
+        let after = if round || locks >> 3 != 0 || turned < SLOW || moments.min_element() <= 0.0 {
+            let half = w * (0.5 * h);
+            *rotation = normalize(compose(Quat::from_xyzw(half.x, half.y, half.z, 1.0), *rotation));
+            w
+        } else {
+            let (q, after) = spin(compose(*rotation, *frame), w, moments, h);
+            *rotation = normalize(compose(q, inverse(*frame)));
+            after
+        };
+        // What contacts gave stays measurable as velocity − reference, the free turn aside.
+        for (r, (old, new)) in reference[..6]
+            .iter_mut()
+            .zip(line.motion[..6].iter().zip(v.to_array().into_iter().chain(after.to_array())))
+        {
+            *r += new - old;
+        }
+        line.set_velocities(v, after);
+    }
 }
 
 /// Turns a free body by `h` seconds. `q` maps principal axes to the world, `w` is the angular velocity in the world, and

@@ -11,6 +11,7 @@
 //! The signed distance follows the drift to first order: s = s₀ + n · (Δp_b − Δp_a + Δθ_b × r_b − Δθ_a × r_a). For a ball
 //! that rolls this is exact; an edge that turns by Δθ errs by r Δθ² / 2, on the side of more room.
 
+use crate::advance::Advance;
 use crate::block::{Block, Cold, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
@@ -20,9 +21,15 @@ use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
-/// One sweep over all contacts.
-pub fn iterate(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, step: &SubStep) {
-    sweep(contacts, columns, width, &Iterate { step: *step });
+/// One sweep over all contacts, after a change of every body.
+pub(crate) fn iterate(
+    contacts: &mut Contacts,
+    columns: &mut Columns<'_>,
+    width: Width,
+    change: &impl Advance,
+    step: &SubStep,
+) {
+    sweep(contacts, columns, width, change, &Iterate { step: *step });
 }
 
 struct Iterate {

@@ -41,6 +41,9 @@ pub(crate) enum Part {
 pub(crate) struct Plan {
     /// All blocks.
     pub(crate) spans: Vec<Span>,
+    /// What comes first: the spans of the contacts within each tile, colour after colour. Empty where rows are not cut.
+    pub(crate) inner: Vec<Range<usize>>,
+    /// What comes then.
     pub(crate) parts: Vec<Part>,
     /// Colours that hold contacts, of both sides.
     pub(crate) colors: usize,
@@ -51,33 +54,39 @@ impl Plan {
     pub(crate) fn new(contacts: &Contacts) -> Self {
         let mut plan = Plan::default();
         let mut colors = [0_u128; 2];
-        for side in [false, true] {
-            let keys =
-                || contacts.buckets.keys().filter(|key| !key.is_parked() && key.is_one_sided() == side);
-            keys().for_each(|key| colors[usize::from(side)] |= 1 << key.color());
-            for phase in [Phase::Inner, Phase::Between, Phase::Ground] {
-                let of_phase = || keys().filter(|key| key.phase() == phase).copied();
-                let (loose, last): (Vec<Key>, Vec<Key>) = of_phase().partition(|key| key.color() < OVERFLOW);
-                let tiled = contacts.is_tiled() && phase != Phase::Between;
-                let cut = if tiled { loose.partition_point(|key| !key.is_of_copies()) } else { 0 };
-                let (tiled, layered) = loose.split_at(cut);
-                if !tiled.is_empty() {
-                    let tiles = tiled.chunk_by(|a, b| a.tile() == b.tile());
-                    let tiles = tiles.map(|keys| plan.add(contacts, keys)).collect();
-                    plan.parts.push(Part::Tiles(tiles));
-                }
-                for keys in layered.chunk_by(|a, b| (a.tile(), a.color()) == (b.tile(), b.color())) {
-                    let spans = plan.add(contacts, keys);
-                    let blocks = plan.spans[spans.clone()].iter().map(|s| (s.to - s.from) as usize).sum();
-                    plan.parts.push(Part::Layer(spans, blocks));
-                }
-                if !last.is_empty() {
-                    plan.add(contacts, &last);
-                    plan.parts.push(Part::Serial(one_by_one(contacts, &last)));
-                }
-            }
+        for key in contacts.buckets.keys().filter(|key| !key.is_parked()) {
+            colors[usize::from(key.is_one_sided())] |= 1 << key.color();
         }
         plan.colors = colors.iter().map(|colors| colors.count_ones() as usize).sum();
+        let of = |phase: Phase| -> Vec<Key> {
+            contacts.buckets.keys().filter(|key| key.phase() == phase).copied().collect()
+        };
+        if contacts.is_tiled() {
+            plan.inner = vec![0..0; contacts.tiles()];
+            for keys in of(Phase::Inner).chunk_by(|a, b| a.tile() == b.tile()) {
+                plan.inner[keys[0].tile() as usize] = plan.add(contacts, keys);
+            }
+        }
+        for phase in [Phase::Between, Phase::Ground] {
+            let keys = of(phase);
+            let tiles = if contacts.is_tiled() && phase == Phase::Ground { Key::COPIES } else { 0 };
+            let (tiled, rest) = keys.split_at(keys.partition_point(|key| key.tile() < tiles));
+            let (layered, last) = rest.split_at(rest.partition_point(|key| key.color() < OVERFLOW));
+            if !tiled.is_empty() {
+                let tiles = tiled.chunk_by(|a, b| a.tile() == b.tile());
+                let tiles = tiles.map(|keys| plan.add(contacts, keys)).collect();
+                plan.parts.push(Part::Tiles(tiles));
+            }
+            for keys in layered.chunk_by(|a, b| (a.tile(), a.color()) == (b.tile(), b.color())) {
+                let spans = plan.add(contacts, keys);
+                let blocks = plan.spans[spans.clone()].iter().map(|s| (s.to - s.from) as usize).sum();
+                plan.parts.push(Part::Layer(spans, blocks));
+            }
+            if !last.is_empty() {
+                plan.add(contacts, last);
+                plan.parts.push(Part::Serial(one_by_one(contacts, last)));
+            }
+        }
         plan
     }
 

@@ -7,41 +7,38 @@
 //!
 //! `references` holds the velocity from which that gain is measured.
 
-use crate::line::{Columns, Role};
-use rayon::prelude::*;
+use crate::advance::{Advance, Body};
+use crate::line::Role;
 use rockfall_math::Vec3;
 
-/// Rows that one thread takes at a time.
-pub(crate) const ROWS: usize = 512;
-
 /// Advances velocities by gravity (m/s²) over `h` seconds; `first` in the first sub-step of a step.
-pub fn push(columns: &mut Columns<'_>, gravity: Vec3, h: f32, first: bool) {
-    (
-        &mut *columns.lines,
-        &mut *columns.drifts,
-        &mut *columns.references,
-        columns.roles,
-        columns.dampings,
-        columns.locks,
-    )
-        .into_par_iter()
-        .with_min_len(ROWS)
-        .for_each(|(line, drift, reference, &role, damping, &locks)| {
-            if first {
-                drift.0 = [0.0; 8];
-            }
-            if role != Role::Free {
-                return;
-            }
-            let (v, w) = (line.velocity(), line.angular_velocity());
-            let from = |i: usize| Vec3::new(reference[i], reference[i + 1], reference[i + 2]);
-            let (warm_v, warm_w) = if first { (Vec3::ZERO, Vec3::ZERO) } else { (v - from(0), w - from(3)) };
-            let v = (v + gravity * (h * line.gravity_scale())) * (1.0 / (1.0 + damping[0] * h));
-            let w = w * (1.0 / (1.0 + damping[1] * h));
-            reference[..3].copy_from_slice(&v.to_array());
-            reference[3..6].copy_from_slice(&w.to_array());
-            line.set_velocities(unlocked(v + warm_v, locks), unlocked(w + warm_w, locks >> 3));
-        });
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    pub(crate) gravity: Vec3,
+    pub(crate) h: f32,
+    pub(crate) first: bool,
+}
+
+impl Advance for Push {
+    #[inline]
+    fn advance(&self, body: Body<'_>) {
+        let Body { line, drift, reference, damping, role, locks, .. } = body;
+        let &Push { gravity, h, first } = self;
+        if first {
+            drift.0 = [0.0; 8];
+        }
+        if role != Role::Free {
+            return;
+        }
+        let (v, w) = (line.velocity(), line.angular_velocity());
+        let from = |i: usize| Vec3::new(reference[i], reference[i + 1], reference[i + 2]);
+        let (warm_v, warm_w) = if first { (Vec3::ZERO, Vec3::ZERO) } else { (v - from(0), w - from(3)) };
+        let v = (v + gravity * (h * line.gravity_scale())) * (1.0 / (1.0 + damping[0] * h));
+        let w = w * (1.0 / (1.0 + damping[1] * h));
+        reference[..3].copy_from_slice(&v.to_array());
+        reference[3..6].copy_from_slice(&w.to_array());
+        line.set_velocities(unlocked(v + warm_v, locks), unlocked(w + warm_w, locks >> 3));
+    }
 }
 
 /// `v` without its components along the axes whose bits are set.

@@ -1,14 +1,15 @@
 //! Stages 9 and 10: collision response, sub-step by sub-step, for each of the three solvers.
 
+use crate::advance::{Stay, advance};
 use crate::block::{Block, Cold, LANES, get3};
 use crate::bounce::bounce;
 use crate::contacts::Contacts;
-use crate::drift::drift;
+use crate::drift::Transform;
 use crate::impulse::{contact_matrix, response};
 use crate::iterate::iterate;
 use crate::line::{Columns, Drift, Line};
 use crate::plan::Span;
-use crate::push::push;
+use crate::push::Push;
 use crate::reflect::reflect_pair;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{Rows, Visit, sweep};
@@ -63,13 +64,14 @@ pub fn soft_step(
         normals_first: false,
     };
     for i in 0..plan.substeps {
-        push(columns, plan.gravity, h, i == 0);
-        if i == 0 {
-            warm(contacts, columns, width);
+        let push = Push { gravity: plan.gravity, h, first: i == 0 };
+        if push.first {
+            warm(contacts, columns, width, &push);
+            iterate(contacts, columns, width, &Stay, &step);
+        } else {
+            iterate(contacts, columns, width, &push, &step);
         }
-        iterate(contacts, columns, width, &step);
-        drift(columns, h);
-        iterate(contacts, columns, width, &step.relaxing());
+        iterate(contacts, columns, width, &Transform { h }, &step.relaxing());
     }
     let solved = Instant::now();
     bounce(contacts, columns, width, plan.restitution_threshold, plan.gravity, h);
@@ -102,17 +104,17 @@ fn simple_step<R: Respond>(
     let start = Instant::now();
     // Half of gravity before the response and half after it: so the velocities that respond belong to the same time as the
     // places, and a perfectly elastic bounce neither gains nor loses height (see `bounce`).
-    let half = 0.5 * plan.h();
+    let half = Push { gravity: plan.gravity, h: 0.5 * plan.h(), first: false };
     for i in 0..plan.substeps {
-        push(columns, plan.gravity, half, i == 0);
+        advance(columns, &Push { first: i == 0, ..half });
         forget(columns);
         for iteration in 0..ITERATIONS {
             let visit = Simple { respond, separate: iteration == 0 };
-            sweep(contacts, columns, Width::Scalar, &visit);
+            sweep(contacts, columns, Width::Scalar, &Stay, &visit);
         }
         forget(columns);
-        push(columns, plan.gravity, half, false);
-        drift(columns, plan.h());
+        advance(columns, &half);
+        advance(columns, &Transform { h: plan.h() });
         forget(columns);
     }
     [start.elapsed(), Duration::ZERO]

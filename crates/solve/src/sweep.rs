@@ -1,10 +1,11 @@
 //! Sweeps: one kernel over all blocks, colour after colour.
 
+use crate::advance::{Advance, Body, advance};
 use crate::block::{Block, Cold, LANES};
 use crate::contacts::Contacts;
 use crate::line::{Columns, Drift, Line};
 use crate::plan::{Part, Plan, Span, cold_of};
-use crate::shelf::{Class, Shelf};
+use crate::shelf::{Class, Shelf, TILE};
 use rayon::prelude::*;
 use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Row, Width};
@@ -19,7 +20,7 @@ pub(crate) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(crate) fn new(columns: &'a mut Columns<'_>) -> Self {
+    fn new(columns: &'a mut Columns<'_>) -> Self {
         Rows { lines: DisjointRows::new(columns.lines), drifts: DisjointRows::new(columns.drifts) }
     }
 }
@@ -37,14 +38,63 @@ pub(crate) trait Visit: Sync {
     );
 }
 
-/// Runs `visit` over every block, in the order of the plan, and unites what it did to the copies of split bodies.
-pub(crate) fn sweep<V: Visit>(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, visit: &V) {
+/// Runs `visit` over every block, in the order of the plan, after `change` of every body.
+pub(crate) fn sweep<V: Visit, A: Advance>(
+    contacts: &mut Contacts,
+    columns: &mut Columns<'_>,
+    width: Width,
+    change: &A,
+    visit: &V,
+) {
+    if contacts.plan.inner.is_empty() {
+        advance(columns, change);
+    } else {
+        visit_inner(contacts, columns, width, change, visit);
+    }
     contacts.copies.part(columns);
-    visit_all(contacts, &Rows::new(columns), width, visit);
+    visit_outer(contacts, &Rows::new(columns), width, visit);
     contacts.copies.unite(columns);
 }
 
-fn visit_all<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
+/// Contacts within tiles, each after the bodies of its tile have changed.
+fn visit_inner<V: Visit, A: Advance>(
+    contacts: &mut Contacts,
+    columns: &mut Columns<'_>,
+    width: Width,
+    change: &A,
+    visit: &V,
+) {
+    let (plan, shelves) = Shelves::open(contacts);
+    let &mut Columns { frames, inverse_moments, dampings, roles, locks, .. } = columns;
+    let references = DisjointRows::new(columns.references);
+    let rotations = DisjointRows::new(columns.rotations);
+    let (lines, drifts) = (DisjointRows::new(columns.lines), DisjointRows::new(columns.drifts));
+    let rows = &Rows { lines, drifts };
+    plan.inner.par_iter().enumerate().with_max_len(1).for_each(|(tile, spans)| {
+        for row in tile * TILE..((tile + 1) * TILE).min(roles.len()) {
+            // SAFETY: tiles share no rows, a tile is one thread's, and none of these borrows outlives the call.
+            let (line, drift) = unsafe { (rows.lines.row(row), rows.drifts.row(row)) };
+            // SAFETY: as above.
+            let (reference, rotation) = unsafe { (references.row(row), rotations.row(row)) };
+            change.advance(Body {
+                line,
+                drift,
+                reference,
+                rotation,
+                frame: &frames[row],
+                inverse_moments: &inverse_moments[row],
+                damping: &dampings[row],
+                role: roles[row],
+                locks: locks[row],
+            });
+        }
+        let spans = &plan.spans[spans.clone()];
+        width.run(OverSpans { spans, shelves: &shelves, rows, visit });
+    });
+}
+
+/// All other contacts.
+fn visit_outer<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width, visit: &V) {
     let (plan, shelves) = Shelves::open(contacts);
     let over = |width: Width, spans| width.run(OverSpans { spans, shelves: &shelves, rows, visit });
     for part in &plan.parts {

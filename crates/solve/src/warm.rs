@@ -4,6 +4,7 @@
 //! sweep has at hand; writes velocities. One sweep per step: the later
 //! sub-steps start from the change of velocity that contacts made in the one before (see [`crate::push`]).
 
+use crate::advance::Advance;
 use crate::block::{Block, Cold, load, load3, tangents};
 use crate::contacts::Contacts;
 use crate::effective::complete;
@@ -12,9 +13,9 @@ use crate::plan::Span;
 use crate::sweep::{BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
-/// Applies all accumulated impulses.
-pub fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
-    sweep(contacts, columns, width, &Warm);
+/// Applies all accumulated impulses, after a change of every body.
+pub(crate) fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, change: &impl Advance) {
+    sweep(contacts, columns, width, change, &Warm);
 }
 
 struct Warm;

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Numbers, Stage, frames, rubs};
+use common::{Numbers, Stage, at, frames, rubs};
 use rockfall::math::{DVec3, Pose, Vec3};
 use rockfall::shape::Hull;
 use rockfall::{Body, BodyId, Material, Settings, Shape};
@@ -175,6 +175,23 @@ fn tiles_do_not_depend_on_the_order_of_insertion() {
     let (same_rows, same_hash) = run(Some(&rows));
     assert_eq!(rows, same_rows);
     assert_eq!(hash, same_hash);
+}
+
+/// Promise: bodies that come into a world cut into tiles fall with the rest, also those that begin a new tile.
+#[test]
+fn bodies_that_come_late_have_tiles_too() {
+    let mut stage = Stage::new(Settings { threads: 2, ..frames() }, rubs(0.5, 0.0));
+    let ball = stage.ball(0.4);
+    let place = |i: usize| at((i % 100) as f64, (i / 100 % 100) as f64, (i / 10_000) as f64);
+    let all: Vec<Body> = (0..70_000).map(|i| stage.body(ball, place(i))).collect();
+    stage.world.spawn_all(all).expect("the bodies make sense");
+    stage.steps(2);
+    let late: Vec<BodyId> = (70_000..80_000).map(|i| stage.put(stage.body(ball, place(i)))).collect();
+    stage.steps(3);
+    for id in late {
+        let velocity = stage.world.velocity(id).expect("the body is there").0;
+        assert!((velocity.z + 3.0 * common::G / 60.0).abs() < 1e-4, "{velocity}");
+    }
 }
 
 /// Promise: all of it at once over 1,000 steps of a pile with more than 100,000 contacts. Ten minutes on two cores; run it with
