@@ -15,7 +15,9 @@ mod build;
 mod cast;
 pub mod hilbert;
 pub mod morton;
+mod order;
 mod query;
+mod radix;
 mod refit;
 
 pub use hilbert::hilbert;
