@@ -5,6 +5,7 @@ use crate::order::order;
 use crate::{Block, MAX_LEVELS, Tree, WIDTH, hilbert};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Boxes that one task keys: less than this is not worth a thread.
 const GRAIN: usize = 2048;
@@ -25,8 +26,14 @@ impl Tree {
             .collect();
         let order = order(&codes);
         drop(codes);
+        // Atomic, so that all threads can write: each place is written once.
+        let places: Vec<AtomicU32> = (0..order.len()).map(|_| AtomicU32::new(0)).collect();
+        order.par_iter().zip(0..order.len() as u32).with_min_len(GRAIN).for_each(|(&item, place)| {
+            places[item as usize].store(place, Relaxed);
+        });
+        let places = places.into_iter().map(AtomicU32::into_inner).collect();
 
-        let mut tree = Tree { order, ..Tree::default() };
+        let mut tree = Tree { order, places, ..Tree::default() };
         let mut below = boxes.len();
         let mut total = 0;
         while tree.levels < MAX_LEVELS && below > 0 {

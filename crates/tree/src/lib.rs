@@ -3,7 +3,8 @@
 //! A [`Tree`] sorts the boxes along the Hilbert curve and groups eight neighbours on that curve into a block, eight
 //! blocks into a block of the next level, and so on up to one root. Nothing in it is a pointer: the children of
 //! lane `i` of block `b` are block `8 b + i` of the level below. That makes the build one sort and one linear pass,
-//! a refit the linear pass alone, and a query eight box tests at a time on plain arrays.
+//! a refit the linear pass alone, or the ways up from the few boxes that have moved, and a query eight box tests at a time on
+//! plain arrays.
 //!
 //! A binary tree split where the bits of the codes change (LBVH) fits space a little better, but takes a random access
 //! per level instead of one per three levels, and twice the memory.
@@ -51,6 +52,8 @@ const MAX_LEVELS: usize = 11;
 pub struct Tree {
     /// Items along the curve.
     order: Vec<u32>,
+    /// Where each item lies in `order`.
+    places: Vec<u32>,
     /// All levels, the items' own boxes first, the root last.
     blocks: Vec<Block>,
     /// Where each level starts in `blocks`; level 0 holds the items' own boxes.
@@ -77,7 +80,8 @@ impl Tree {
 
     /// Heap memory, bytes.
     pub fn memory(&self) -> usize {
-        self.order.capacity() * size_of::<u32>() + self.blocks.capacity() * size_of::<Block>()
+        (self.order.capacity() + self.places.capacity()) * size_of::<u32>()
+            + self.blocks.capacity() * size_of::<Block>()
     }
 
     /// Items along the curve: neighbours in this order are neighbours in space.
