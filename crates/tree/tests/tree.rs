@@ -1,5 +1,6 @@
 //! The tree against brute force.
 
+use rayon::iter::ParallelIterator;
 use rockfall_math::{Aabb, Vec3, hash};
 use rockfall_tree::Tree;
 
@@ -321,4 +322,40 @@ fn marks_may_be_fewer_or_more_than_items() {
         some.refit_moved(&marks, |item| if item == 3 { Aabb::EMPTY } else { before[item] });
         assert!(some == all);
     }
+}
+
+#[test]
+fn a_query_by_many_threads_finds_the_same_in_the_same_order() {
+    let everywhere = Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);
+    let slab = Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(11.0, 11.0, 3.2));
+    let far = Aabb::new(Vec3::splat(90.0), Vec3::splat(91.0));
+    for count in [0, 1, 8, 9, 64, 65, 4097, 60_000] {
+        let boxes = boxes(count, 10.0, 0.02, 4.0, 59);
+        let tree = Tree::build(&boxes);
+        let areas = boxes.iter().step_by(997).copied().chain([everywhere, slab, far, Aabb::EMPTY]);
+        for area in areas {
+            let mut expected = Vec::new();
+            tree.query(&area, |item| expected.push(item));
+            for threads in [1, 2, 8] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                let found: Vec<u32> = pool.install(|| tree.par_query(&area).collect());
+                assert!(found == expected, "{count} boxes, {threads} threads, {area:?}");
+                let first = pool.install(|| tree.par_query(&area).find_first(|_| true));
+                assert_eq!(first, expected.first().copied());
+            }
+        }
+    }
+}
+
+#[test]
+fn wide_is_what_meets_tens_of_thousands() {
+    let boxes = boxes(60_000, 10.0, 0.02, 4.0, 61);
+    let tree = Tree::build(&boxes);
+    assert!(tree.is_wide(&Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)));
+    assert!(tree.is_wide(&Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(11.0, 11.0, 9.0))));
+    assert!(!boxes.iter().any(|area| tree.is_wide(area)));
+    assert!(!tree.is_wide(&Aabb::EMPTY));
+    let few = Tree::build(&boxes[..1000]);
+    assert!(!few.is_wide(&Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)));
+    assert!(!Tree::default().is_wide(&Aabb::new(Vec3::ZERO, Vec3::ONE)));
 }
