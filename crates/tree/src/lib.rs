@@ -8,6 +8,11 @@
 //!
 //! A binary tree split where the bits of the codes change (LBVH) fits space a little better, but takes a random access
 //! per level instead of one per three levels, and twice the memory.
+//!
+//! A grid of several levels, its cells sorted by their codes, was measured against the tree (`examples/broad_phase`). It is built in
+//! two thirds of the time and finds the pairs of equal boxes in 0.85 of it, but has to be sorted anew where a refit will do, so
+//! that a step of equal boxes comes out even at best; with sizes of 1 to 100 its queries take 1.4 times as long, over
+//! levels that are nearly empty. So there is no grid.
 
 #![forbid(unsafe_code)]
 
