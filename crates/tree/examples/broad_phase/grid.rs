@@ -1,7 +1,7 @@
 //! The challenger: a grid of several levels, sorted.
 //!
 //! A box belongs to the level with the smallest cells that are at least as wide as the box; cells of the widest level are as wide as the
-//! widest box, those of each further level half as wide. An entry lies in the cell of its box's centre. Keys, a level's first
+//! widest box, those of each further level a quarter. An entry lies in the cell of its box's centre. Keys, a level's first
 //! key plus the Morton code of the cell, are dense and fit 32 bits; sorted by them, the entries of a cell, and of every aligned
 //! cube of 2ᵏ cells a side, lie side by side, and their boxes lie eight to a block, as the tree's do. A table of the leading bits of the keys,
 //! up to four per entry, leads to a cell.
@@ -63,7 +63,8 @@ struct Level {
 
 /// See the head of this file.
 pub(crate) struct Grid {
-    /// Largest shift of the number of cells per axis that one look-up covers; see `span`.
+    /// Cubes of cells that a query looks at, per axis and level, at most: the cubes grow until so many cover its box. One of three, and
+    /// levels an octave apart, were slower.
     span: u32,
     slack: f32,
     origin: Vec3,
