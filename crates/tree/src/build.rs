@@ -1,9 +1,11 @@
 //! Sorts the items along the curve and lays out the levels.
 
 use crate::morton::Grid;
+use crate::order::order;
 use crate::{Block, MAX_LEVELS, Tree, WIDTH, hilbert};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Boxes that one task keys: less than this is not worth a thread.
 const GRAIN: usize = 2048;
@@ -14,23 +16,24 @@ impl Tree {
     /// At most 2³² − 1 boxes have an index.
     pub fn build(boxes: &[Aabb]) -> Tree {
         let grid = Grid::new(&populated(boxes));
-        let mut keys: Vec<u128> = boxes
+        let codes: Vec<u64> = boxes
             .par_iter()
-            .enumerate()
             .with_min_len(GRAIN)
-            .map(|(item, area)| {
-                let code = if area.min.cmple(area.max).all() {
-                    hilbert(grid.morton(area.center()))
-                } else {
-                    u64::MAX
-                };
-                u128::from(code) << 32 | item as u128
+            .map(|area| {
+                let holds = area.min.cmple(area.max).all();
+                if holds { hilbert(grid.morton(area.center())) } else { u64::MAX }
             })
             .collect();
-        keys.par_sort_unstable();
-        let order = keys.par_iter().with_min_len(GRAIN).map(|&key| key as u32).collect();
+        let order = order(&codes);
+        drop(codes);
+        // Atomic, so that all threads can write: each place is written once.
+        let places: Vec<AtomicU32> = (0..order.len()).map(|_| AtomicU32::new(0)).collect();
+        order.par_iter().zip(0..order.len() as u32).with_min_len(GRAIN).for_each(|(&item, place)| {
+            places[item as usize].store(place, Relaxed);
+        });
+        let places = places.into_iter().map(AtomicU32::into_inner).collect();
 
-        let mut tree = Tree { order, ..Tree::default() };
+        let mut tree = Tree { order, places, ..Tree::default() };
         let mut below = boxes.len();
         let mut total = 0;
         while tree.levels < MAX_LEVELS && below > 0 {

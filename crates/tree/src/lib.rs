@@ -3,10 +3,16 @@
 //! A [`Tree`] sorts the boxes along the Hilbert curve and groups eight neighbours on that curve into a block, eight
 //! blocks into a block of the next level, and so on up to one root. Nothing in it is a pointer: the children of
 //! lane `i` of block `b` are block `8 b + i` of the level below. That makes the build one sort and one linear pass,
-//! a refit the linear pass alone, and a query eight box tests at a time on plain arrays.
+//! a refit the linear pass alone, or the ways up from the few boxes that have moved, and a query eight box tests at a time on
+//! plain arrays.
 //!
 //! A binary tree split where the bits of the codes change (LBVH) fits space a little better, but takes a random access
 //! per level instead of one per three levels, and twice the memory.
+//!
+//! A grid of several levels, its cells sorted by their codes, was measured against the tree (`examples/broad_phase`). It is built in
+//! two thirds of the time and finds the pairs of equal boxes in 0.85 of it, but has to be sorted anew where a refit will do, so
+//! that a step of equal boxes comes out even at best; with sizes of 1 to 100 its queries take 1.4 times as long, over
+//! levels that are nearly empty. So there is no grid.
 
 #![forbid(unsafe_code)]
 
@@ -15,7 +21,9 @@ mod build;
 mod cast;
 pub mod hilbert;
 pub mod morton;
+mod order;
 mod query;
+mod radix;
 mod refit;
 
 pub use hilbert::hilbert;
@@ -49,6 +57,8 @@ const MAX_LEVELS: usize = 11;
 pub struct Tree {
     /// Items along the curve.
     order: Vec<u32>,
+    /// Where each item lies in `order`.
+    places: Vec<u32>,
     /// All levels, the items' own boxes first, the root last.
     blocks: Vec<Block>,
     /// Where each level starts in `blocks`; level 0 holds the items' own boxes.
@@ -75,7 +85,8 @@ impl Tree {
 
     /// Heap memory, bytes.
     pub fn memory(&self) -> usize {
-        self.order.capacity() * size_of::<u32>() + self.blocks.capacity() * size_of::<Block>()
+        (self.order.capacity() + self.places.capacity()) * size_of::<u32>()
+            + self.blocks.capacity() * size_of::<Block>()
     }
 
     /// Items along the curve: neighbours in this order are neighbours in space.

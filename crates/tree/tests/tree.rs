@@ -1,5 +1,6 @@
 //! The tree against brute force.
 
+use rayon::iter::ParallelIterator;
 use rockfall_math::{Aabb, Vec3, hash};
 use rockfall_tree::Tree;
 
@@ -248,4 +249,113 @@ fn memory_is_within_forty_bytes_per_item() {
     let tree = Tree::build(&boxes(100_000, 10.0, 0.01, 1.0, 37));
     assert!(tree.memory() < 40 * tree.len());
     assert!(tree.memory() > 24 * tree.len());
+}
+
+/// Boxes along the curve, as rows of bodies are, of which those that `moves` names have moved a little.
+fn moved(before: &[Aabb], moves: impl Fn(usize) -> bool) -> (Vec<bool>, Vec<Aabb>) {
+    let mut random = Random(41);
+    let marks: Vec<bool> = (0..before.len()).map(moves).collect();
+    let step = |(area, &moved): (&Aabb, &bool)| {
+        let push = random.point(0.1);
+        if moved { Aabb::new(area.min + push, area.max + push) } else { *area }
+    };
+    let after = before.iter().zip(&marks).map(step).collect();
+    (marks, after)
+}
+
+#[test]
+fn refitting_what_moved_is_refitting_everything() {
+    type Moves = fn(usize) -> bool;
+    let patterns: [(&str, Moves); 9] = [
+        ("none", |_| false),
+        ("one", |i| i == 77),
+        ("last", |i| i % 30_011 == 30_010),
+        ("few", |i| hash::mix(i as u64).is_multiple_of(1000)),
+        ("one in forty", |i| hash::mix(i as u64).is_multiple_of(40)),
+        ("a stretch", |i| (5000..5500).contains(&i)),
+        ("one in a block", |i| i % 9 == 0),
+        ("a quarter", |i| hash::mix(i as u64).is_multiple_of(4)),
+        ("all", |_| true),
+    ];
+    for count in [0, 1, 7, 8, 9, 64, 100, 513, 30_011] {
+        let before = boxes(count, 10.0, 0.05, 100.0, 43);
+        for (name, moves) in patterns {
+            let (marks, after) = moved(&before, moves);
+            let built = Tree::build(&before);
+            let mut all = built.clone();
+            all.refit(|item| after[item]);
+            for threads in [1, 3] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                let mut some = built.clone();
+                pool.install(|| some.refit_moved(&marks, |item| after[item]));
+                assert!(some == all, "{name} of {count}, {threads} threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn refitting_few_looks_at_few_boxes() {
+    let before = boxes(30_000, 10.0, 0.05, 1.0, 47);
+    let (marks, after) = moved(&before, |item| item == 5000 || item == 20_000);
+    let mut tree = Tree::build(&before);
+    let looks = std::sync::atomic::AtomicUsize::new(0);
+    tree.refit_moved(&marks, |item| {
+        looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        after[item]
+    });
+    assert_eq!(looks.into_inner(), 2);
+    let mut all = Tree::build(&before);
+    all.refit(|item| after[item]);
+    assert!(tree == all);
+}
+
+#[test]
+fn marks_may_be_fewer_or_more_than_items() {
+    let before = boxes(300, 10.0, 0.05, 1.0, 53);
+    let built = Tree::build(&before);
+    let mut all = built.clone();
+    all.refit(|item| if item == 3 { Aabb::EMPTY } else { before[item] });
+    for len in [4, 300, 1000] {
+        let marks: Vec<bool> = (0..len).map(|item| item == 3).collect();
+        let mut some = built.clone();
+        some.refit_moved(&marks, |item| if item == 3 { Aabb::EMPTY } else { before[item] });
+        assert!(some == all);
+    }
+}
+
+#[test]
+fn a_query_by_many_threads_finds_the_same_in_the_same_order() {
+    let everywhere = Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);
+    let slab = Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(11.0, 11.0, 3.2));
+    let far = Aabb::new(Vec3::splat(90.0), Vec3::splat(91.0));
+    for count in [0, 1, 8, 9, 64, 65, 4097, 60_000] {
+        let boxes = boxes(count, 10.0, 0.02, 4.0, 59);
+        let tree = Tree::build(&boxes);
+        let areas = boxes.iter().step_by(997).copied().chain([everywhere, slab, far, Aabb::EMPTY]);
+        for area in areas {
+            let mut expected = Vec::new();
+            tree.query(&area, |item| expected.push(item));
+            for threads in [1, 2, 8] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+                let found: Vec<u32> = pool.install(|| tree.par_query(&area).collect());
+                assert!(found == expected, "{count} boxes, {threads} threads, {area:?}");
+                let first = pool.install(|| tree.par_query(&area).find_first(|_| true));
+                assert_eq!(first, expected.first().copied());
+            }
+        }
+    }
+}
+
+#[test]
+fn wide_is_what_meets_tens_of_thousands() {
+    let boxes = boxes(60_000, 10.0, 0.02, 4.0, 61);
+    let tree = Tree::build(&boxes);
+    assert!(tree.is_wide(&Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)));
+    assert!(tree.is_wide(&Aabb::new(Vec3::new(-1.0, -1.0, 3.0), Vec3::new(11.0, 11.0, 9.0))));
+    assert!(!boxes.iter().any(|area| tree.is_wide(area)));
+    assert!(!tree.is_wide(&Aabb::EMPTY));
+    let few = Tree::build(&boxes[..1000]);
+    assert!(!few.is_wide(&Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)));
+    assert!(!Tree::default().is_wide(&Aabb::new(Vec3::ZERO, Vec3::ONE)));
 }
