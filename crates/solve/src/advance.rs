@@ -11,29 +11,33 @@ use rockfall_math::{Quat, Vec3};
 /// Rows that one thread takes at a time.
 const ROWS: usize = 512;
 
-/// A body, as far as it is its own business; see [`Columns`].
-pub(crate) struct Body<'a> {
-    pub(crate) line: &'a mut Line,
-    pub(crate) drift: &'a mut Drift,
-    pub(crate) reference: &'a mut Row,
-    pub(crate) rotation: &'a mut Quat,
-    pub(crate) frame: &'a Quat,
-    pub(crate) inverse_moments: &'a Vec3,
-    pub(crate) damping: &'a [f32; 2],
-    pub(crate) role: Role,
-    pub(crate) locks: u8,
+/// A body, as far as it is its own business; see [`Columns`] for what the fields are.
+#[derive(Debug)]
+#[allow(missing_docs)]
+pub struct Body<'a> {
+    pub line: &'a mut Line,
+    pub drift: &'a mut Drift,
+    pub reference: &'a mut Row,
+    pub rotation: &'a mut Quat,
+    pub frame: &'a Quat,
+    pub inverse_moments: &'a Vec3,
+    pub damping: &'a [f32; 2],
+    pub role: Role,
+    pub locks: u8,
 }
 
 /// A change of every body by itself.
-pub(crate) trait Advance: Sync {
+pub trait Advance: Sync {
     /// Whether nothing changes.
     const IDLE: bool = false;
 
+    /// Changes a body.
     fn advance(&self, body: Body<'_>);
 }
 
 /// No change.
-pub(crate) struct Stay;
+#[derive(Clone, Copy, Debug)]
+pub struct Stay;
 
 impl Advance for Stay {
     const IDLE: bool = true;

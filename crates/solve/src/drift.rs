@@ -18,10 +18,11 @@ use rockfall_math::{DQuat, DVec3, Quat, Vec3};
 /// A body that turns by less than this in a sub-step (rad, squared) has a gyroscopic term below rounding of its contacts'.
 const SLOW: f32 = 1e-6;
 
-/// Advances positions and rotations by so many seconds.
+/// Advances positions and rotations over a sub-step: transformation over time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Transform {
-    pub(crate) h: f32,
+pub struct Transform {
+    /// Length of the sub-step, s.
+    pub h: f32,
 }
 
 impl Advance for Transform {

@@ -22,7 +22,7 @@ use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// One sweep over all contacts, after a change of every body.
-pub(crate) fn iterate(
+pub fn iterate(
     contacts: &mut Contacts,
     columns: &mut Columns<'_>,
     width: Width,

@@ -4,7 +4,7 @@
 //! that no body stands twice in a colour, and sweeps over the blocks colour after colour. Within a colour the order of the
 //! contacts does not matter, so that neither the number of threads nor the number of lanes can change a bit of the result.
 
-mod advance;
+pub mod advance;
 pub mod block;
 pub mod bounce;
 mod cold;

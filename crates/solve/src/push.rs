@@ -11,12 +11,15 @@ use crate::advance::{Advance, Body};
 use crate::line::Role;
 use rockfall_math::Vec3;
 
-/// Advances velocities by gravity (m/s²) over `h` seconds; `first` in the first sub-step of a step.
+/// Advances velocities by gravity over a sub-step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Push {
-    pub(crate) gravity: Vec3,
-    pub(crate) h: f32,
-    pub(crate) first: bool,
+pub struct Push {
+    /// m/s².
+    pub gravity: Vec3,
+    /// Length of the sub-step, s.
+    pub h: f32,
+    /// Whether it is the first of a step.
+    pub first: bool,
 }
 
 impl Advance for Push {

@@ -14,7 +14,7 @@ use crate::sweep::{BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses, after a change of every body.
-pub(crate) fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, change: &impl Advance) {
+pub fn warm(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, change: &impl Advance) {
     sweep(contacts, columns, width, change, &Warm);
 }
 

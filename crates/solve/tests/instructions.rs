@@ -7,6 +7,7 @@
 
 use rockfall_math::lanes::Width;
 use rockfall_math::{Mat3, Quat, Vec3};
+use rockfall_solve::advance::Stay;
 use rockfall_solve::follow::follow;
 use rockfall_solve::iterate::iterate;
 use rockfall_solve::line::Role;
@@ -165,12 +166,12 @@ macro_rules! kernels {
 }
 
 kernels! {
-    warm_balls: warm;
-    warm_boxes: warm;
-    solve_balls: |contacts, columns, width| iterate(contacts, columns, width, &step());
-    solve_boxes: |contacts, columns, width| iterate(contacts, columns, width, &step());
-    relax_balls: |contacts, columns, width| iterate(contacts, columns, width, &step().relaxing());
-    relax_boxes: |contacts, columns, width| iterate(contacts, columns, width, &step().relaxing());
+    warm_balls: |contacts, columns, width| warm(contacts, columns, width, &Stay);
+    warm_boxes: |contacts, columns, width| warm(contacts, columns, width, &Stay);
+    solve_balls: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step());
+    solve_boxes: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step());
+    relax_balls: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step().relaxing());
+    relax_boxes: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step().relaxing());
     follow_balls: follow;
     follow_boxes: follow;
 }

@@ -43,6 +43,6 @@ pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], rebuild:
         index.movers = Tree::build(&boxes(true));
         index.worn = 0;
     } else if renewed > 0 {
-        index.movers.refit(|row| area(row, true));
+        index.movers.refit_moved(moved, |row| area(row, true));
     }
 }

@@ -12,23 +12,29 @@ use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use rockfall_solve::{FIXED, row_of};
 
-/// Rows that one thread searches at a time.
+/// Rows that one thread searches at a time, at least: few pieces are given back to the system whole, many share better.
 const ROWS: usize = 256;
+const PIECES: usize = 256;
+
+/// A body so many times as large as others are on the average may have more neighbours than one thread should look for.
+const LARGE: f32 = 16.0;
 
 /// Brings the pairs up to date.
 pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved: &[bool]) {
     if !moved.contains(&true) {
         return;
     }
+    let size = rows_at_once(moved.len());
+    let large = LARGE * mean_radius(bodies);
     let searched: Vec<Vec<u64>> = moved
-        .par_chunks(ROWS)
+        .par_chunks(size)
         .enumerate()
         .map(|(chunk, moved_here)| {
             let mut keys = Vec::new();
             for (i, _) in moved_here.iter().enumerate().filter(|(_, moved)| **moved) {
-                let row = chunk * ROWS + i;
+                let row = chunk * size + i;
                 if bodies.is_mover(row) {
-                    search(row, bodies, index, moved, &mut keys);
+                    search(row, bodies, index, moved, bodies.radii[row] > large, &mut keys);
                 }
             }
             keys
@@ -52,33 +58,58 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
     touches.balance();
 }
 
-/// Keys of the pairs of a body that has a new box. Of two such bodies the one in the lower row reports the pair.
-fn search(row: usize, bodies: &Bodies, index: &Index, moved: &[bool], keys: &mut Vec<u64>) {
+/// Results don't depend on it.
+fn rows_at_once(rows: usize) -> usize {
+    (rows / PIECES).max(ROWS)
+}
+
+fn mean_radius(bodies: &Bodies) -> f32 {
+    let movers = (0..bodies.rows()).into_par_iter().with_min_len(4096).filter(|&row| bodies.is_mover(row));
+    // Whole micrometres, so that the sum does not depend on the threads.
+    let sum = |(sum, count): (u64, u64), row: usize| (sum + (1e6 * bodies.radii[row]) as u64, count + 1);
+    let (sum, count) = movers
+        .fold(|| (0, 0), sum)
+        .reduce(|| (0, 0), |(sum, n), (more, m)| (sum.saturating_add(more), n + m));
+    1e-6 * (sum as f64 / count.max(1) as f64) as f32
+}
+
+/// Keys of the pairs of a body that has a new box; `large` where it may have so many that all threads should look for them. Of two such bodies the one in the lower
+/// row reports the pair.
+fn search(row: usize, bodies: &Bodies, index: &Index, moved: &[bool], large: bool, keys: &mut Vec<u64>) {
     let dynamic = |row: usize| bodies.kinds[row] == Kind::Dynamic;
     let meets = |other: usize| {
         let ([group, mask], [others, other_mask]) = (bodies.filters[row], bodies.filters[other]);
         group & other_mask != 0 && others & mask != 0 && bodies.states[other] != State::Dead
     };
-    index.movers.query(&bodies.boxes[row], |other| {
+    let of_mover = |other: u32| {
         let other = other as usize;
         if other == row || (moved[other] && other < row) || !meets(other) {
-            return;
+            return None;
         }
         let (a, b) = match (dynamic(row), dynamic(other)) {
             (true, true) if bodies.ids[row] < bodies.ids[other] => (row, other as u32),
             (true, true) => (other, row as u32),
             (true, false) => (row, other as u32 | FIXED),
             (false, true) => (other, row as u32 | FIXED),
-            (false, false) => return,
+            (false, false) => return None,
         };
-        keys.push((a as u64) << 32 | u64::from(b));
-    });
-    if dynamic(row) {
-        index.fixed.query(&bodies.boxes[row], |other| {
-            if meets(other as usize) {
-                keys.push((row as u64) << 32 | u64::from(other | FIXED));
-            }
-        });
+        Some((a as u64) << 32 | u64::from(b))
+    };
+    let of_fixed =
+        |other: u32| meets(other as usize).then_some((row as u64) << 32 | u64::from(other | FIXED));
+    let area = &bodies.boxes[row];
+    if large && index.movers.is_wide(area) {
+        keys.par_extend(index.movers.par_query(area).filter_map(of_mover));
+    } else {
+        index.movers.query(area, |other| keys.extend(of_mover(other)));
+    }
+    if !dynamic(row) {
+        return;
+    }
+    if large && index.fixed.is_wide(area) {
+        keys.par_extend(index.fixed.par_query(area).filter_map(of_fixed));
+    } else {
+        index.fixed.query(area, |other| keys.extend(of_fixed(other)));
     }
 }
 
