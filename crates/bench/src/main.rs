@@ -11,6 +11,7 @@ mod child;
 mod compare;
 mod engine;
 mod motion;
+mod neighbours;
 mod options;
 mod page;
 mod plot;
