@@ -146,9 +146,15 @@ pub(crate) struct Child {
 
 impl Child {
     /// Starts this program again with one engine and one scene.
-    pub(crate) fn start(options: &Options, kind: engine::Kind, case: Case) -> Result<Self, Error> {
+    pub(crate) fn start(
+        options: &Options,
+        verb: Option<&str>,
+        kind: engine::Kind,
+        case: Case,
+    ) -> Result<Self, Error> {
         let name = kind.name();
         let mut process = Command::new(std::env::current_exe()?)
+            .args(verb)
             .args(options.of_child(kind, case))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -212,11 +218,11 @@ impl Drop for Child {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
+    use crate::options::tests::parse;
 
     #[test]
     fn a_child_answers_each_request_with_a_line() {
-        let options = Options::parse_from(["rockfall-bench", "--scene", "box-pile", "--bodies", "20"]);
+        let options = parse(&["--scene=box-pile", "--bodies=20"]).expect("options");
         let input = "{\"Step\":3}\n\"Finish\"\n";
         let mut output = Vec::new();
         serve(&options, engine::Kind::Rockfall, input.as_bytes(), &mut output).expect("served");
@@ -234,7 +240,7 @@ mod tests {
 
     #[test]
     fn nonsense_is_an_error_and_the_end_of_input_is_none() {
-        let options = Options::parse_from(["rockfall-bench", "--scene", "box-pile", "--bodies", "1"]);
+        let options = parse(&["--scene=box-pile", "--bodies=1"]).expect("options");
         let ask = |input: &str| serve(&options, engine::Kind::Rockfall, input.as_bytes(), Vec::new());
         assert!(matches!(ask("{\"Jump\":1}\n"), Err(Error::Json(_))));
         assert!(ask("").is_ok());

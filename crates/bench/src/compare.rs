@@ -58,12 +58,17 @@ struct Runs {
 }
 
 /// One scene in all engines. `say` hears how far it is.
-pub(crate) fn compare(options: &Options, case: Case, mut say: impl FnMut(&str)) -> Result<Vec<Line>, Error> {
+pub(crate) fn compare(
+    options: &Options,
+    verb: Option<&str>,
+    case: Case,
+    mut say: impl FnMut(&str),
+) -> Result<Vec<Line>, Error> {
     let Case { scene, bodies, threads } = case;
     let none = |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), outcomes: Vec::new() };
     let mut runs: Vec<Runs> = options.engines.iter().map(none).collect();
     for repeat in 1..=options.repeats {
-        let children = options.engines.iter().map(|&kind| Child::start(options, kind, case));
+        let children = options.engines.iter().map(|&kind| Child::start(options, verb, kind, case));
         let mut children = children.collect::<Result<Vec<_>, _>>()?;
         let mut sums = vec![0.0; children.len()];
         let mut done = 0;
@@ -150,8 +155,8 @@ fn median(values: impl IntoIterator<Item = f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::tests::parse;
     use crate::quality::Quality;
-    use clap::Parser;
 
     #[test]
     fn medians_are_in_the_middle() {
@@ -179,7 +184,7 @@ mod tests {
         // A neighbour on the machine doubles the times of both in the last two turns: the ratio does not see it.
         let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
         let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
-        let options = Options::parse_from(["rockfall-bench"]);
+        let options = parse(&[]).expect("options");
         let line = line(&options, options.cases()[0], &peer, &ours).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
         assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
