@@ -42,6 +42,10 @@ pub(crate) struct Block {
     pub(crate) cpu: Option<f64>,
     /// By stage, where the engine tells.
     pub(crate) stages: Vec<(String, f64)>,
+    /// Of the very first step of the engine alone, where it is among them.
+    pub(crate) first: Option<f64>,
+    /// Bytes that the solver must have read in a step, at least, where the engine tells.
+    pub(crate) solver_bytes: Option<f64>,
 }
 
 /// What is known at the end.
@@ -68,7 +72,7 @@ pub(crate) fn serve(
     let scene = case.scene.build(case.bodies, options.seed)?;
     let empty = process::peak_memory();
     let engine = kind.build(&scene, case.threads)?;
-    let mut run = Run { scene: &scene, engine, steps: 0 };
+    let mut run = Run { scene: &scene, engine, there: scene.present(0), steps: 0 };
     send(&mut output, &Reply::Ready)?;
     for line in input.lines() {
         match serde_json::from_str(&line?)? {
@@ -79,12 +83,12 @@ pub(crate) fn serve(
             Request::Finish => {
                 let memory =
                     process::peak_memory().zip(empty).map(|(peak, empty)| peak.saturating_sub(empty));
+                run.begin()?;
                 let mass = run.engine.mass();
                 let before = run.engine.poses();
-                run.drive()?;
                 run.engine.step()?;
                 let quality = quality::measure(&scene, run.steps, &before, &run.engine.poses());
-                let outcome = Outcome { bodies: scene.bodies.len(), mass, memory, quality };
+                let outcome = Outcome { bodies: before.len(), mass, memory, quality };
                 return send(&mut output, &Reply::Finished(outcome));
             }
         }
@@ -96,13 +100,20 @@ pub(crate) fn serve(
 struct Run<'a> {
     scene: &'a Scene,
     engine: Box<dyn engine::Engine>,
+    /// Dynamic bodies so far.
+    there: usize,
     /// Begun so far.
     steps: u32,
 }
 
 impl Run<'_> {
-    /// Begins a step: tells driven bodies where to go in it.
-    fn drive(&mut self) -> Result<(), Error> {
+    /// Begins a step: adds the bodies that come in, and tells driven ones where to go in it.
+    fn begin(&mut self) -> Result<(), Error> {
+        let present = self.scene.present(self.steps);
+        if present > self.there {
+            self.engine.spawn(&self.scene.bodies[self.there..present])?;
+            self.there = present;
+        }
         self.steps += 1;
         let targets: Vec<Pose> = self.scene.driven.iter().map(|driven| driven.after(self.steps)).collect();
         if targets.is_empty() { Ok(()) } else { self.engine.drive(&targets) }
@@ -113,11 +124,19 @@ impl Run<'_> {
         let mut stages: Vec<(String, f64)> = Vec::new();
         let share = 1.0 / f64::from(steps.max(1));
         let (mut wall, cpu) = (0.0, process::cpu_ms());
+        let (mut first, mut solver_bytes) = (None, None);
         for _ in 0..steps {
             let start = Instant::now();
-            self.drive()?;
+            self.begin()?;
             self.engine.step()?;
-            wall += share * 1e3 * start.elapsed().as_secs_f64();
+            let time = 1e3 * start.elapsed().as_secs_f64();
+            wall += share * time;
+            if self.steps == 1 {
+                first = Some(time);
+            }
+            if let Some(bytes) = self.engine.solver_bytes() {
+                *solver_bytes.get_or_insert(0.0) += share * bytes;
+            }
             for (i, (name, time)) in self.engine.stages().into_iter().enumerate() {
                 if i == stages.len() {
                     stages.push((name.to_owned(), 0.0));
@@ -126,7 +145,7 @@ impl Run<'_> {
             }
         }
         let cpu = process::cpu_ms().zip(cpu).map(|(after, before)| share * (after - before));
-        Ok(Block { wall, cpu, stages })
+        Ok(Block { wall, cpu, stages, first, solver_bytes })
     }
 }
 
@@ -235,6 +254,8 @@ mod tests {
         assert!(block.wall > 0.0 && block.stages.len() == rockfall::STAGES.len());
         let staged: f64 = block.stages.iter().map(|(_, time)| time).sum();
         assert!(staged <= block.wall, "{staged} ms of {}", block.wall);
+        assert!(block.first.is_some_and(|first| first > 0.0 && first < 3.0 * block.wall));
+        assert!(block.solver_bytes.is_some_and(|bytes| bytes >= 20.0 * (9.0 * 64.0 + 8.0 * 32.0)));
         assert!(outcome.bodies == 20 && outcome.mass > 0.0);
     }
 

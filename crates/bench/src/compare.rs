@@ -1,7 +1,9 @@
 //! Runs engines turn by turn, and takes medians.
 
+use crate::bandwidth::Bandwidth;
 use crate::child::{Block, Child, Outcome};
 use crate::options::{Case, Options};
+use crate::roofline::Roofline;
 use crate::{Error, engine};
 use serde::Serialize;
 
@@ -21,6 +23,10 @@ pub(crate) struct Line {
     pub(crate) all_ms_per_step: f64,
     /// Of the fastest timed turn.
     pub(crate) best_ms_per_step: f64,
+    /// The very first step of the engine: indexing, first pairs and contacts are in it, loading is not; the median over all runs.
+    pub(crate) first_step_ms: f64,
+    /// The same as a multiple of `ms_per_step`.
+    pub(crate) first_step_times: f64,
     /// Time as a multiple of the first engine's: the median over turns that were next to each other.
     pub(crate) times_first: f64,
     /// On the processors, all threads together; the median over all timed turns.
@@ -43,6 +49,8 @@ pub(crate) struct Line {
     pub(crate) top_drift_mm: Option<f64>,
     /// Peak memory of the engine by the number of bodies.
     pub(crate) bytes_per_body: Option<f64>,
+    /// What the solver reads, where the engine tells.
+    pub(crate) roofline: Option<Roofline>,
     /// Times of the stages, milliseconds per step, medians.
     pub(crate) stages: Vec<(String, f64)>,
 }
@@ -54,6 +62,8 @@ struct Runs {
     blocks: Vec<Block>,
     /// Mean time of all steps of each run, milliseconds.
     all: Vec<f64>,
+    /// Time of the first step of each run, milliseconds.
+    first: Vec<f64>,
     outcomes: Vec<Outcome>,
 }
 
@@ -61,11 +71,13 @@ struct Runs {
 pub(crate) fn compare(
     options: &Options,
     verb: Option<&str>,
+    roofs: &[Bandwidth],
     case: Case,
     mut say: impl FnMut(&str),
 ) -> Result<Vec<Line>, Error> {
     let Case { scene, bodies, threads } = case;
-    let none = |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), outcomes: Vec::new() };
+    let none =
+        |&kind| Runs { kind, blocks: Vec::new(), all: Vec::new(), first: Vec::new(), outcomes: Vec::new() };
     let mut runs: Vec<Runs> = options.engines.iter().map(none).collect();
     for repeat in 1..=options.repeats {
         let children = options.engines.iter().map(|&kind| Child::start(options, verb, kind, case));
@@ -80,6 +92,7 @@ pub(crate) fn compare(
             for i in order {
                 let block = children[i].step(turn.steps)?;
                 last += &format!("  {} {:.1} ms", runs[i].kind.name(), block.wall);
+                runs[i].first.extend(block.first);
                 sums[i] += f64::from(turn.steps) * block.wall;
                 if turn.timed {
                     runs[i].blocks.push(block);
@@ -95,10 +108,12 @@ pub(crate) fn compare(
         }
     }
     let Some(first) = runs.first() else { return Ok(Vec::new()) };
-    runs.iter().map(|run| line(options, case, run, first)).collect()
+    let roof = roofs.iter().find(|roof| roof.threads == threads);
+    let bandwidth = roof.map_or(f64::NAN, |roof| roof.gigabytes_per_second);
+    runs.iter().map(|run| line(options, case, run, first, bandwidth)).collect()
 }
 
-fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line, Error> {
+fn line(options: &Options, case: Case, run: &Runs, first: &Runs, bandwidth: f64) -> Result<Line, Error> {
     let outcomes = &run.outcomes;
     let Some(any) = outcomes.first() else {
         return Err(Error::Engine { engine: run.kind.name(), reason: "it has no result".to_owned() });
@@ -111,6 +126,7 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line,
     };
     let cpu: Option<Vec<f64>> = run.blocks.iter().map(|b| b.cpu).collect();
     let cpu_ratio: Option<Vec<f64>> = pairs().map(|(b, f)| Some(b.cpu? / f.cpu?)).collect();
+    let (ms_per_step, first_step_ms) = (median(walls()), median(run.first.iter().copied()));
     Ok(Line {
         scene: case.scene.name(),
         bodies: any.bodies,
@@ -118,9 +134,11 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line,
         threads: case.threads,
         engine: run.kind.name(),
         version: run.kind.version(),
-        ms_per_step: median(walls()),
+        ms_per_step,
         all_ms_per_step: median(run.all.iter().copied()),
         best_ms_per_step: walls().fold(f64::INFINITY, f64::min),
+        first_step_ms,
+        first_step_times: first_step_ms / ms_per_step,
         times_first: median(pairs().map(|(b, f)| b.wall / f.wall)),
         cpu_ms_per_step: cpu.map(median),
         cpu_times_first: cpu_ratio.map(median),
@@ -136,6 +154,7 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
         top_drift_mm: any.quality.top_drift_mm.map(|_| of(&|o| o.quality.top_drift_mm.unwrap_or(0.0))),
         bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
+        roofline: Roofline::new(&run.blocks, bandwidth),
         stages: run.blocks.first().map_or(Vec::new(), |b| {
             b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
         }),
@@ -143,7 +162,7 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs) -> Result<Line,
 }
 
 /// The middle one, or the mean of the two in the middle; NaN of nothing.
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.into_iter().collect();
     sorted.sort_unstable_by(f64::total_cmp);
     match sorted.len() {
@@ -171,9 +190,16 @@ mod tests {
             kind,
             blocks: walls
                 .iter()
-                .map(|&wall| Block { wall, cpu: Some(2.0 * wall), stages: Vec::new() })
+                .map(|&wall| Block {
+                    wall,
+                    cpu: Some(2.0 * wall),
+                    stages: vec![("solve".to_owned(), 0.5 * wall)],
+                    first: None,
+                    solver_bytes: Some(1e6 * wall),
+                })
                 .collect(),
             all: vec![2.0, 5.0, 100.0],
+            first: vec![90.0, 50.0, 45.0],
             outcomes: vec![Outcome {
                 bodies: 10,
                 mass: 1.0,
@@ -185,9 +211,14 @@ mod tests {
         let ours = runs(engine::Kind::Rockfall, &[10.0, 10.0, 20.0, 20.0]);
         let peer = runs(engine::Kind::Rapier, &[15.0, 15.0, 30.0, 30.0]);
         let options = parse(&[]).expect("options");
-        let line = line(&options, options.cases()[0], &peer, &ours).expect("a line");
+        let line = line(&options, options.cases()[0], &peer, &ours, 8.0).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
         assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
         assert_eq!(line.bytes_per_body, Some(500.0));
+        assert!(line.first_step_ms == 50.0 && (line.first_step_times - 50.0 / 22.5).abs() < 1e-12);
+        // A million bytes in half a millisecond.
+        let roofline = line.roofline.expect("told");
+        assert!((roofline.gigabytes_per_second - 2.0).abs() < 1e-9);
+        assert!((roofline.of_bandwidth - 0.25).abs() < 1e-9);
     }
 }

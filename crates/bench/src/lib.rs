@@ -7,6 +7,7 @@
 // Engines in C and C++ are called from their own files under `engine`, and nothing else is unsafe.
 #![deny(unsafe_code)]
 
+mod bandwidth;
 mod child;
 mod compare;
 mod engine;
@@ -17,6 +18,7 @@ mod page;
 mod plot;
 mod process;
 mod quality;
+mod roofline;
 mod scene;
 mod table;
 
@@ -83,19 +85,22 @@ pub fn run(options: &Options, verb: Option<&str>) -> Result<(), Error> {
     if let Some(missing) = options.engines.iter().find(|kind| !kind.is_built()) {
         return Err(missing.missing());
     }
+    // First, while nothing else of ours runs.
+    let roofs = bandwidth::measure(&options.threads)?;
+    eprintln!("{}", table::streaming(&roofs));
     let mut lines = Vec::new();
     let mut measure = || -> Result<(), Error> {
         for case in options.cases() {
-            lines.extend(compare::compare(options, verb, case, |progress| eprintln!("{progress}"))?);
+            lines.extend(compare::compare(options, verb, &roofs, case, |progress| eprintln!("{progress}"))?);
         }
         Ok(())
     };
     // What is there when something fails took hours, perhaps: it is shown and written all the same.
     let measured = measure();
     println!("{}, medians of {} runs\n", process::machine(), options.repeats);
-    println!("{}\n{}{}", table::markdown(&lines), table::stages(&lines), table::serial(&lines));
+    println!("{}", table::all(&roofs, &lines));
     if let Some(folder) = &options.out {
-        table::write(folder, options, &lines)?;
+        table::write(folder, options, &roofs, &lines)?;
     }
     measured
 }

@@ -32,7 +32,7 @@ pub struct Options {
     pub(crate) threads: Vec<usize>,
 
     /// Engines, separated by commas; times are compared with the first one's.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["rockfall", "rapier"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = engine::Kind::usual())]
     pub(crate) engines: Vec<engine::Kind>,
 
     /// Runs of each scene; figures are medians over all.
@@ -187,6 +187,12 @@ pub(crate) mod tests {
         };
         assert_eq!(of(&[]), (8000, 1000));
         assert_eq!(of(&["--bodies=50", "--steps=70"]), (50, 70));
+    }
+
+    #[test]
+    fn without_a_word_all_engines_are_built() {
+        let engines = parse(&[]).expect("defaults").engines;
+        assert!(engines[0] == engine::Kind::Rockfall && engines.iter().all(|kind| kind.is_built()));
     }
 
     #[test]
