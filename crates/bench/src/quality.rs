@@ -46,7 +46,8 @@ pub(crate) fn measure(scene: &Scene, steps: u32, before: &[Pose], after: &[Pose]
     let largest = |way: fn(DVec3) -> f64| scene.tops.iter().map(|i| 1e3 * way(gone(i))).reduce(f64::max);
     Quality {
         overlapping: depths.len(),
-        mean_mm: 1e3 * depths.iter().sum::<f64>() / depths.len().max(1) as f64,
+        // Not `sum`, which of nothing is −0.
+        mean_mm: 1e3 * depths.iter().fold(0.0, |a, b| a + b) / depths.len().max(1) as f64,
         p99_mm: 1e3 * percentile(&depths, 99),
         deepest_mm: 1e3 * percentile(&depths, 100),
         escaped: scene.bodies.iter().zip(after).filter(|(body, pose)| has_escaped(scene, body, pose)).count(),

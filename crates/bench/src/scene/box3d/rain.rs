@@ -65,10 +65,9 @@ pub(in crate::scene) fn rain(count: usize) -> Result<Scene, crate::Error> {
         let pose = Pose::at(up(middle(i / SQUARES), 0.0, middle(i % SQUARES)));
         scene.fixed.extend([0, 1].map(|shape| Placed { shape, pose }));
     }
-    let times: Vec<u32> = (0..).filter(|step| step & BITS == 0).take(SQUARES).collect();
-    for column in 0..SQUARES {
+    for (column, after) in (0..).filter(|step| step & BITS == 0).take(SQUARES).enumerate() {
         if column > 0 {
-            scene.late.push(Wave { first: scene.bodies.len(), after: times[column] });
+            scene.late.push(Wave { first: scene.bodies.len(), after });
         }
         for i in 0..SQUARES * GROUP {
             let (row, ragdoll) = (i / GROUP, i % GROUP);
