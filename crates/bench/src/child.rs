@@ -53,6 +53,8 @@ pub(crate) struct Block {
 pub(crate) struct Outcome {
     /// Dynamic bodies.
     pub(crate) bodies: usize,
+    /// Fixed and driven ones.
+    pub(crate) immovable: usize,
     /// Of all dynamic bodies together, kg.
     pub(crate) mass: f64,
     /// Peak memory of the process less what it had before the engine was built, bytes.
@@ -88,7 +90,8 @@ pub(crate) fn serve(
                 let before = run.engine.poses();
                 run.engine.step()?;
                 let quality = quality::measure(&scene, run.steps, &before, &run.engine.poses());
-                let outcome = Outcome { bodies: before.len(), mass, memory, quality };
+                let immovable = scene.fixed.len() + scene.driven.len();
+                let outcome = Outcome { bodies: before.len(), immovable, mass, memory, quality };
                 return send(&mut output, &Reply::Finished(outcome));
             }
         }

@@ -27,6 +27,8 @@ pub(crate) struct Line {
     pub(crate) first_step_ms: f64,
     /// The same as a multiple of `ms_per_step`.
     pub(crate) first_step_times: f64,
+    /// What more threads are worth: time of the same with one thread, where that ran too, as a multiple of `ms_per_step`.
+    pub(crate) threads_worth: Option<f64>,
     /// Time as a multiple of the first engine's: the median over turns that were next to each other.
     pub(crate) times_first: f64,
     /// On the processors, all threads together; the median over all timed turns.
@@ -47,7 +49,7 @@ pub(crate) struct Line {
     pub(crate) moving: usize,
     pub(crate) top_drop_mm: Option<f64>,
     pub(crate) top_drift_mm: Option<f64>,
-    /// Peak memory of the engine by the number of bodies.
+    /// Peak memory of the engine by the number of bodies, those that can't be moved included.
     pub(crate) bytes_per_body: Option<f64>,
     /// What the solver reads, where the engine tells.
     pub(crate) roofline: Option<Roofline>,
@@ -139,6 +141,7 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs, bandwidth: f64)
         best_ms_per_step: walls().fold(f64::INFINITY, f64::min),
         first_step_ms,
         first_step_times: first_step_ms / ms_per_step,
+        threads_worth: None,
         times_first: median(pairs().map(|(b, f)| b.wall / f.wall)),
         cpu_ms_per_step: cpu.map(median),
         cpu_times_first: cpu_ratio.map(median),
@@ -153,12 +156,26 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs, bandwidth: f64)
         moving: of(&|o| o.quality.moving as f64) as usize,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
         top_drift_mm: any.quality.top_drift_mm.map(|_| of(&|o| o.quality.top_drift_mm.unwrap_or(0.0))),
-        bytes_per_body: any.memory.map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / o.bodies.max(1) as f64)),
+        bytes_per_body: any
+            .memory
+            .map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / (o.bodies + o.immovable).max(1) as f64)),
         roofline: Roofline::new(&run.blocks, bandwidth),
         stages: run.blocks.first().map_or(Vec::new(), |b| {
             b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
         }),
     })
+}
+
+/// Fills in what more threads are worth, where the same ran with one.
+pub(crate) fn beside_one_thread(lines: &mut [Line]) {
+    fn of(line: &Line) -> (&str, usize, &str) {
+        (line.scene, line.bodies, line.engine)
+    }
+    let ones: Vec<Line> = lines.iter().filter(|line| line.threads == 1).cloned().collect();
+    for line in lines.iter_mut().filter(|line| line.threads > 1) {
+        let one = ones.iter().find(|one| of(one) == of(line));
+        line.threads_worth = one.map(|one| one.ms_per_step / line.ms_per_step);
+    }
 }
 
 /// The middle one, or the mean of the two in the middle; NaN of nothing.
@@ -185,6 +202,16 @@ mod tests {
     }
 
     #[test]
+    fn threads_are_held_against_one_of_the_same() {
+        let mut lines = ["a", "a", "b"].map(crate::table::tests::sample);
+        (lines[0].threads, lines[0].ms_per_step) = (1, 18.51);
+        beside_one_thread(&mut lines);
+        let worth = lines[1].threads_worth.expect("one thread ran");
+        assert!((worth - 1.5).abs() < 1e-12, "{worth}");
+        assert_eq!((lines[0].threads_worth, lines[2].threads_worth), (None, None));
+    }
+
+    #[test]
     fn ratios_are_of_turns_that_were_neighbours() {
         let runs = |kind, walls: &[f64]| Runs {
             kind,
@@ -201,7 +228,8 @@ mod tests {
             all: vec![2.0, 5.0, 100.0],
             first: vec![90.0, 50.0, 45.0],
             outcomes: vec![Outcome {
-                bodies: 10,
+                bodies: 6,
+                immovable: 4,
                 mass: 1.0,
                 memory: Some(5000),
                 quality: Quality::default(),

@@ -97,6 +97,7 @@ pub fn run(options: &Options, verb: Option<&str>) -> Result<(), Error> {
     };
     // What is there when something fails took hours, perhaps: it is shown and written all the same.
     let measured = measure();
+    compare::beside_one_thread(&mut lines);
     println!("{}, medians of {} runs\n", process::machine(), options.repeats);
     println!("{}", table::all(&roofs, &lines));
     if let Some(folder) = &options.out {

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 /// Names of the columns, and whether they are of numbers.
-pub(crate) const COLUMNS: [(&str, bool); 19] = [
+pub(crate) const COLUMNS: [(&str, bool); 20] = [
     ("scene", false),
     ("bodies", true),
     ("steps", true),
@@ -20,6 +20,7 @@ pub(crate) const COLUMNS: [(&str, bool); 19] = [
     ("times the first", true),
     ("over all steps", true),
     ("first step, times a step", true),
+    ("one thread, times as long", true),
     ("CPU ms per step", true),
     ("times the first", true),
     ("penetration mean / p99 / max, mm", true),
@@ -42,12 +43,13 @@ pub(crate) fn row(l: &Line) -> [String; COLUMNS.len()] {
         l.steps.to_string(),
         l.threads.to_string(),
         format!("{} {}", l.engine, l.version),
-        format!("{:.1}", l.ms_per_step),
-        format!("{:.2}", l.times_first),
-        format!("{:.1}", l.all_ms_per_step),
+        short(l.ms_per_step, 1),
+        short(l.times_first, 2),
+        short(l.all_ms_per_step, 1),
         format!("{:.1}", l.first_step_times),
-        or_dash(l.cpu_ms_per_step, 1),
-        or_dash(l.cpu_times_first, 2),
+        or_dash(l.threads_worth, 2),
+        l.cpu_ms_per_step.map_or("–".to_owned(), |x| short(x, 1)),
+        l.cpu_times_first.map_or("–".to_owned(), |x| short(x, 2)),
         format!("{:.2} / {:.1} / {:.1}", l.penetration_mean_mm, l.penetration_p99_mm, l.penetration_max_mm),
         l.overlapping_pairs.to_string(),
         l.escaped.to_string(),
@@ -57,6 +59,12 @@ pub(crate) fn row(l: &Line) -> [String; COLUMNS.len()] {
         l.top_drop_mm.zip(l.top_drift_mm).map_or("–".to_owned(), both),
         or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
     ]
+}
+
+/// With so many digits behind the point; three where a tenth would say little.
+fn short(x: f64, digits: usize) -> String {
+    let digits = if x < 1.0 { 3 } else { digits };
+    format!("{x:.digits$}")
 }
 
 /// The table, as the program prints it.
@@ -219,6 +227,7 @@ pub(crate) mod tests {
             best_ms_per_step: 11.0,
             first_step_ms: 49.36,
             first_step_times: 4.0,
+            threads_worth: None,
             times_first: 1.5,
             cpu_ms_per_step: Some(20.0),
             cpu_times_first: None,
@@ -249,11 +258,17 @@ pub(crate) mod tests {
     fn every_row_of_the_table_has_every_column() {
         let text = markdown(&[sample("a"), sample("b")]);
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
-        assert_eq!(columns, [20; 4]);
+        assert_eq!(columns, [21; 4]);
         assert!(text.contains(
-            "| 12.3 | 1.50 | 10.1 | 4.0 | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
+            "| 12.3 | 1.50 | 10.1 | 4.0 | – | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
         ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, 2 threads, a: touch 3.00 ms\n");
+    }
+
+    #[test]
+    fn small_numbers_have_more_digits() {
+        assert_eq!([0.0342, 0.99, 1.0, 12.34].map(|x| short(x, 1)), ["0.034", "0.990", "1.0", "12.3"]);
+        assert_eq!(short(1.234, 2), "1.23");
     }
 
     #[test]
