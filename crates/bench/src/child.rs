@@ -42,6 +42,10 @@ pub(crate) struct Block {
     pub(crate) cpu: Option<f64>,
     /// By stage, where the engine tells.
     pub(crate) stages: Vec<(String, f64)>,
+    /// Of the very first step of the engine alone, where it is among them.
+    pub(crate) first: Option<f64>,
+    /// Bytes that the solver must have read in a step, at least, where the engine tells.
+    pub(crate) solver_bytes: Option<f64>,
 }
 
 /// What is known at the end.
@@ -49,6 +53,8 @@ pub(crate) struct Block {
 pub(crate) struct Outcome {
     /// Dynamic bodies.
     pub(crate) bodies: usize,
+    /// Fixed and driven ones.
+    pub(crate) immovable: usize,
     /// Of all dynamic bodies together, kg.
     pub(crate) mass: f64,
     /// Peak memory of the process less what it had before the engine was built, bytes.
@@ -68,7 +74,7 @@ pub(crate) fn serve(
     let scene = case.scene.build(case.bodies, options.seed)?;
     let empty = process::peak_memory();
     let engine = kind.build(&scene, case.threads)?;
-    let mut run = Run { scene: &scene, engine, steps: 0 };
+    let mut run = Run { scene: &scene, engine, there: scene.present(0), steps: 0 };
     send(&mut output, &Reply::Ready)?;
     for line in input.lines() {
         match serde_json::from_str(&line?)? {
@@ -79,12 +85,13 @@ pub(crate) fn serve(
             Request::Finish => {
                 let memory =
                     process::peak_memory().zip(empty).map(|(peak, empty)| peak.saturating_sub(empty));
+                run.begin()?;
                 let mass = run.engine.mass();
                 let before = run.engine.poses();
-                run.drive()?;
                 run.engine.step()?;
                 let quality = quality::measure(&scene, run.steps, &before, &run.engine.poses());
-                let outcome = Outcome { bodies: scene.bodies.len(), mass, memory, quality };
+                let immovable = scene.fixed.len() + scene.driven.len();
+                let outcome = Outcome { bodies: before.len(), immovable, mass, memory, quality };
                 return send(&mut output, &Reply::Finished(outcome));
             }
         }
@@ -96,13 +103,20 @@ pub(crate) fn serve(
 struct Run<'a> {
     scene: &'a Scene,
     engine: Box<dyn engine::Engine>,
+    /// Dynamic bodies so far.
+    there: usize,
     /// Begun so far.
     steps: u32,
 }
 
 impl Run<'_> {
-    /// Begins a step: tells driven bodies where to go in it.
-    fn drive(&mut self) -> Result<(), Error> {
+    /// Begins a step: adds the bodies that come in, and tells driven ones where to go in it.
+    fn begin(&mut self) -> Result<(), Error> {
+        let present = self.scene.present(self.steps);
+        if present > self.there {
+            self.engine.spawn(&self.scene.bodies[self.there..present])?;
+            self.there = present;
+        }
         self.steps += 1;
         let targets: Vec<Pose> = self.scene.driven.iter().map(|driven| driven.after(self.steps)).collect();
         if targets.is_empty() { Ok(()) } else { self.engine.drive(&targets) }
@@ -113,11 +127,19 @@ impl Run<'_> {
         let mut stages: Vec<(String, f64)> = Vec::new();
         let share = 1.0 / f64::from(steps.max(1));
         let (mut wall, cpu) = (0.0, process::cpu_ms());
+        let (mut first, mut solver_bytes) = (None, None);
         for _ in 0..steps {
             let start = Instant::now();
-            self.drive()?;
+            self.begin()?;
             self.engine.step()?;
-            wall += share * 1e3 * start.elapsed().as_secs_f64();
+            let time = 1e3 * start.elapsed().as_secs_f64();
+            wall += share * time;
+            if self.steps == 1 {
+                first = Some(time);
+            }
+            if let Some(bytes) = self.engine.solver_bytes() {
+                *solver_bytes.get_or_insert(0.0) += share * bytes;
+            }
             for (i, (name, time)) in self.engine.stages().into_iter().enumerate() {
                 if i == stages.len() {
                     stages.push((name.to_owned(), 0.0));
@@ -126,7 +148,7 @@ impl Run<'_> {
             }
         }
         let cpu = process::cpu_ms().zip(cpu).map(|(after, before)| share * (after - before));
-        Ok(Block { wall, cpu, stages })
+        Ok(Block { wall, cpu, stages, first, solver_bytes })
     }
 }
 
@@ -146,9 +168,15 @@ pub(crate) struct Child {
 
 impl Child {
     /// Starts this program again with one engine and one scene.
-    pub(crate) fn start(options: &Options, kind: engine::Kind, case: Case) -> Result<Self, Error> {
+    pub(crate) fn start(
+        options: &Options,
+        verb: Option<&str>,
+        kind: engine::Kind,
+        case: Case,
+    ) -> Result<Self, Error> {
         let name = kind.name();
         let mut process = Command::new(std::env::current_exe()?)
+            .args(verb)
             .args(options.of_child(kind, case))
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
@@ -212,11 +240,11 @@ impl Drop for Child {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
+    use crate::options::tests::parse;
 
     #[test]
     fn a_child_answers_each_request_with_a_line() {
-        let options = Options::parse_from(["rockfall-bench", "--scene", "box-pile", "--bodies", "20"]);
+        let options = parse(&["--scene=box-pile", "--bodies=20"]).expect("options");
         let input = "{\"Step\":3}\n\"Finish\"\n";
         let mut output = Vec::new();
         serve(&options, engine::Kind::Rockfall, input.as_bytes(), &mut output).expect("served");
@@ -229,12 +257,14 @@ mod tests {
         assert!(block.wall > 0.0 && block.stages.len() == rockfall::STAGES.len());
         let staged: f64 = block.stages.iter().map(|(_, time)| time).sum();
         assert!(staged <= block.wall, "{staged} ms of {}", block.wall);
+        assert!(block.first.is_some_and(|first| first > 0.0 && first < 3.0 * block.wall));
+        assert!(block.solver_bytes.is_some_and(|bytes| bytes >= 20.0 * (9.0 * 64.0 + 8.0 * 32.0)));
         assert!(outcome.bodies == 20 && outcome.mass > 0.0);
     }
 
     #[test]
     fn nonsense_is_an_error_and_the_end_of_input_is_none() {
-        let options = Options::parse_from(["rockfall-bench", "--scene", "box-pile", "--bodies", "1"]);
+        let options = parse(&["--scene=box-pile", "--bodies=1"]).expect("options");
         let ask = |input: &str| serve(&options, engine::Kind::Rockfall, input.as_bytes(), Vec::new());
         assert!(matches!(ask("{\"Jump\":1}\n"), Err(Error::Json(_))));
         assert!(ask("").is_ok());

@@ -1,13 +1,12 @@
 //! The command line.
 
 use crate::{Error, engine, scene};
-use clap::Parser;
+use clap::Args;
 use std::path::PathBuf;
 
-/// Runs the same scene in several engines, turn by turn, and compares time, memory and quality.
-#[derive(Clone, Debug, Parser)]
-#[command(name = "rockfall-bench", version)]
-pub(crate) struct Options {
+/// What to measure.
+#[derive(Clone, Debug, Args)]
+pub struct Options {
     /// Scenes, separated by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["box-pile", "ball-pit"])]
     pub(crate) scene: Vec<scene::Kind>,
@@ -33,7 +32,7 @@ pub(crate) struct Options {
     pub(crate) threads: Vec<usize>,
 
     /// Engines, separated by commas; times are compared with the first one's.
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["rockfall", "rapier"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = engine::Kind::usual())]
     pub(crate) engines: Vec<engine::Kind>,
 
     /// Runs of each scene; figures are medians over all.
@@ -131,12 +130,19 @@ pub(crate) struct Turn {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+    use clap::Parser;
 
-    fn parse(arguments: &[&str]) -> Result<Options, String> {
+    #[derive(Debug, Parser)]
+    struct Cli {
+        #[command(flatten)]
+        options: Options,
+    }
+
+    pub(crate) fn parse(arguments: &[&str]) -> Result<Options, String> {
         let all = ["rockfall-bench"].iter().chain(arguments);
-        Options::try_parse_from(all).map_err(|e| e.to_string())
+        Cli::try_parse_from(all).map(|cli| cli.options).map_err(|e| e.to_string())
     }
 
     #[test]
@@ -181,6 +187,12 @@ mod tests {
         };
         assert_eq!(of(&[]), (8000, 1000));
         assert_eq!(of(&["--bodies=50", "--steps=70"]), (50, 70));
+    }
+
+    #[test]
+    fn without_a_word_all_engines_are_built() {
+        let engines = parse(&[]).expect("defaults").engines;
+        assert!(engines[0] == engine::Kind::Rockfall && engines.iter().all(|kind| kind.is_built()));
     }
 
     #[test]

@@ -10,19 +10,30 @@ pub(crate) struct Curve {
     /// Into a palette of eight colours, over and over.
     pub(crate) colour: usize,
     pub(crate) dashed: bool,
+    /// Whether each point has a dot.
+    pub(crate) dots: bool,
 }
 
-/// Colours that most people can tell apart (Okabe and Ito 2008).
+/// Colours that most people can tell apart (Okabe and Ito 2008); their black is that of the text, which is light on dark pages.
 const COLOURS: [&str; 8] =
-    ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999933"];
+    ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", TEXT, "#999933"];
 
-/// Sizes in pixels: of the picture, and of what is around the frame with the curves.
+const TEXT: &str = "currentColor";
+
+/// The number of the colour that the text has.
+pub(crate) const OF_TEXT: usize = 6;
+
+/// Sizes in pixels: of the picture where its legend is not longer, and of what is around the frame with the curves.
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 400.0;
 const LEFT: f64 = 64.0;
 const RIGHT: f64 = 190.0;
 const TOP: f64 = 16.0;
 const BOTTOM: f64 = 48.0;
+
+/// What is to the left of a name in the legend, and the width of a letter, generously, pixels.
+const SAMPLE: f64 = 42.0;
+const LETTER: f64 = 6.6;
 
 /// One picture with its legend.
 pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
@@ -33,7 +44,10 @@ pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
     let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
 
     // Writing to a string can't fail.
-    let mut svg = format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\">\n");
+    let height = HEIGHT.max(TOP + 20.0 * (curves.len() + 1) as f64);
+    let longest = curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
+    let width = right + RIGHT.max(SAMPLE + LETTER * longest as f64);
+    let mut svg = format!("<svg viewBox=\"0 0 {width:.0} {height}\" role=\"img\">\n");
     for tick in horizontal.ticks() {
         let x = horizontal.place(tick);
         let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/>");
@@ -64,13 +78,13 @@ pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
         let line: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let _ = writeln!(svg, "<g stroke=\"{colour}\" fill=\"{colour}\">");
         let _ = writeln!(svg, "<polyline fill=\"none\" points=\"{}\"{dashes}/>", line.join(" "));
-        for (x, y) in &points {
+        for (x, y) in points.iter().filter(|_| curve.dots) {
             let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
         }
         let y = TOP + 10.0 + 20.0 * number as f64;
         let _ = writeln!(svg, "<path d=\"M{} {y}h24\"{dashes}/>\n</g>", right + 12.0);
         let name = escape(&curve.name);
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{name}</text>", right + 42.0, y + 4.0);
+        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{name}</text>", right + SAMPLE, y + 4.0);
     }
     svg + "</svg>\n"
 }
@@ -120,7 +134,7 @@ mod tests {
     use super::*;
 
     fn curve(points: &[(f64, f64)]) -> Curve {
-        Curve { name: "a<b".to_owned(), points: points.to_vec(), colour: 0, dashed: false }
+        Curve { name: "a<b".to_owned(), points: points.to_vec(), colour: 0, dashed: false, dots: true }
     }
 
     #[test]
@@ -137,6 +151,24 @@ mod tests {
         assert_eq!(ticks(&[300.0]), [200.0]);
         assert_eq!(ticks(&[2.0, 1e6]), [10.0, 100.0, 1e3, 1e4, 1e5, 1e6]);
         assert_eq!(ticks(&[]), [1.0]);
+    }
+
+    #[test]
+    fn a_large_legend_makes_the_picture_larger() {
+        let size = |curves: usize, letters: usize| {
+            let one = |_| Curve { name: "a".repeat(letters), ..curve(&[(1.0, 1.0)]) };
+            let svg = log_log("n", "µs", &(0..curves).map(one).collect::<Vec<_>>());
+            let mut numbers = svg.split('"').nth(1).expect("a box").split(' ').skip(2);
+            [(); 2].map(|()| numbers.next().expect("a size").parse::<f64>().expect("a number"))
+        };
+        assert_eq!(size(3, 5), [WIDTH, HEIGHT]);
+        assert!(size(40, 5)[1] >= 40.0 * 20.0 + TOP);
+        assert!(size(3, 60)[0] >= WIDTH - RIGHT + 60.0 * LETTER);
+    }
+
+    #[test]
+    fn the_colour_of_text_is_its_own() {
+        assert_eq!(COLOURS.iter().position(|&c| c == TEXT), Some(OF_TEXT));
     }
 
     #[test]

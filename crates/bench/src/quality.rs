@@ -1,12 +1,12 @@
 //! How good a result is, from poses and shapes alone: the same for every engine.
 
 use crate::motion::rotation_vector;
+use crate::neighbours;
 use crate::scene::{self, Placed, Scene};
 use rayon::prelude::*;
 use rockfall::math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
 use rockfall_collide::{Cache, Manifold, collide, distance};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// Figures of a state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,8 @@ pub(crate) fn measure(scene: &Scene, steps: u32, before: &[Pose], after: &[Pose]
     let largest = |way: fn(DVec3) -> f64| scene.tops.iter().map(|i| 1e3 * way(gone(i))).reduce(f64::max);
     Quality {
         overlapping: depths.len(),
-        mean_mm: 1e3 * depths.iter().sum::<f64>() / depths.len().max(1) as f64,
+        // Not `sum`, which of nothing is −0.
+        mean_mm: 1e3 * depths.iter().fold(0.0, |a, b| a + b) / depths.len().max(1) as f64,
         p99_mm: 1e3 * percentile(&depths, 99),
         deepest_mm: 1e3 * percentile(&depths, 100),
         escaped: scene.bodies.iter().zip(after).filter(|(body, pose)| has_escaped(scene, body, pose)).count(),
@@ -89,24 +90,10 @@ fn depths(scene: &Scene, immovable: &[Placed], poses: &[Pose]) -> Vec<f64> {
     let boxes: Vec<Aabb> = placed.iter().map(bounds).collect();
     let fixed: Vec<Aabb> = immovable.iter().map(bounds).collect();
 
-    // No box is larger than a cell, so that boxes that overlap are in the same or in neighbouring cells.
-    let largest = boxes.iter().map(|b| b.half_extents().max_element()).fold(f32::MIN_POSITIVE, f32::max);
-    let cell = |b: &Aabb| (b.center() / (2.0 * largest)).floor().to_array().map(|x| x as i64);
-    let mut grid: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
-    for (i, b) in boxes.iter().enumerate() {
-        grid.entry(cell(b)).or_default().push(i);
-    }
-    let mut depths: Vec<f64> = (0..placed.len())
+    let other = |j: usize| placed.get(j).unwrap_or_else(|| &immovable[j - placed.len()]);
+    let mut depths: Vec<f64> = neighbours::pairs(&boxes, &fixed)
         .into_par_iter()
-        .flat_map_iter(|i| {
-            let [x, y, z] = cell(&boxes[i]);
-            let cells = (0..27).map(move |k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]);
-            let others = cells.filter_map(|c| grid.get(&c)).flatten().copied().filter(move |&j| j > i);
-            let (placed, boxes) = (&placed, &boxes);
-            let bodies = others.filter(move |&j| boxes[i].overlaps(&boxes[j])).map(move |j| &placed[j]);
-            let solid = immovable.iter().zip(&fixed).filter(move |(_, b)| boxes[i].overlaps(b));
-            bodies.chain(solid.map(|(f, _)| f)).filter_map(move |other| depth(scene, &placed[i], other))
-        })
+        .filter_map(|(i, j)| depth(scene, &placed[i], other(j)))
         .collect();
     depths.sort_unstable_by(f64::total_cmp);
     depths

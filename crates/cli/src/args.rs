@@ -24,6 +24,21 @@ pub(crate) enum Verb {
     Run(Box<RunArgs>),
     /// Say what is in a scene file or in the output of a run.
     Info(InfoArgs),
+    /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
+    #[cfg(feature = "bench")]
+    Bench(Box<rockfall_bench::Options>),
+    /// What a build without the feature says of it: how to get it.
+    #[cfg(not(feature = "bench"))]
+    #[command(hide = true, disable_help_flag = true, disable_version_flag = true)]
+    Bench(NoBenchArgs),
+}
+
+/// `rockfall bench` where it is not built: whatever is asked of it.
+#[cfg(not(feature = "bench"))]
+#[derive(Debug, Args)]
+pub(crate) struct NoBenchArgs {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    _all: Vec<std::ffi::OsString>,
 }
 
 /// `rockfall run`.

@@ -10,6 +10,9 @@ use std::process::ExitCode;
 pub(crate) enum Failure {
     /// Something outside the scene: disk, threads.
     Run(String),
+    /// What was asked for is not in this build.
+    #[cfg_attr(feature = "bench", expect(dead_code, reason = "a build with the bench has everything"))]
+    NotBuilt(&'static str),
     /// The scene is wrong; the text is complete, with its place and what was expected.
     Scene(String),
     /// The last state has another hash.
@@ -28,6 +31,7 @@ impl Failure {
     pub(crate) fn report(&self) -> ExitCode {
         match self {
             Failure::Run(text) => say::error(&format!("Error: {text}")),
+            Failure::NotBuilt(text) => say::error(&format!("Error: {text}")),
             Failure::Scene(text) => say::error(text.trim_end()),
             Failure::Hash { expected, found } => {
                 say::error(&format!("Error: the hash is {found:016x}, expected {expected:016x}"));
@@ -40,6 +44,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Run(_) => 1,
+            Failure::NotBuilt(_) => 2,
             Failure::Scene(_) => 3,
             Failure::Hash { .. } => 4,
             Failure::Interrupted => INTERRUPTED,

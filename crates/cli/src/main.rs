@@ -1,9 +1,10 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`] and [`info`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
+mod bench;
 mod exit;
 mod info;
 mod open;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().verb {
         Verb::Run(args) => run::run(&args),
         Verb::Info(args) => info::info(&args),
+        Verb::Bench(args) => bench::bench(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -358,3 +358,27 @@ fn nobody_listening_is_no_failure() {
         assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments}");
     }
 }
+
+#[test]
+#[cfg(not(feature = "bench"))]
+fn the_bench_tells_how_to_get_it() {
+    let place = Place::new();
+    for arguments in ["bench", "bench --scene pyramid --threads=1,2", "bench --help"] {
+        let ended = place.rockfall(arguments);
+        expect(&ended, 2);
+        assert!(error(&ended).contains("--features bench"), "{}", error(&ended));
+    }
+}
+
+#[test]
+#[cfg(feature = "bench")]
+fn the_bench_finds_its_children_behind_the_verb() {
+    let place = Place::new();
+    let few = "bench --scene pyramid --bodies 10 --steps 4 --timed 2 --turn 2 --repeats 1 --threads 1 --engines rockfall";
+    let ended = place.rockfall(&format!("{few} --out result"));
+    expect(&ended, 0);
+    assert!(out(&ended).contains("| pyramid | 10 | 4 | 1 | rockfall"), "{}", out(&ended));
+    for name in ["bench.md", "bench.html", "bench.csv", "bench.json"] {
+        assert!(place.path("result").join(name).is_file(), "{name}");
+    }
+}

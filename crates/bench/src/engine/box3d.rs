@@ -3,7 +3,7 @@
 
 use super::Engine;
 use crate::Error;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Placed, Scene};
 use boxddd_sys::ffi::*;
 use rockfall::Shape;
 use rockfall::math::{DVec3, Pose, Quat, Vec3};
@@ -21,7 +21,8 @@ pub(super) struct Box3d {
     driven: Vec<b3BodyId>,
     /// Dropped before the meshes that it refers to.
     world: World,
-    _shapes: Vec<Cooked>,
+    shapes: Vec<Cooked>,
+    density: f32,
 }
 
 impl Box3d {
@@ -36,13 +37,19 @@ impl Box3d {
         }
         let driven = scene.driven.iter().map(|d| add(d.shape, &d.after(0), b3BodyType_b3_kinematicBody));
         let driven = driven.collect::<Result<_, _>>()?;
-        let bodies = scene.bodies.iter().map(|b| add(b.shape, &b.pose, b3BodyType_b3_dynamicBody));
-        let bodies = bodies.collect::<Result<_, _>>()?;
-        Ok(Box3d { bodies, driven, world, _shapes: shapes })
+        Ok(Box3d { bodies: Vec::new(), driven, world, shapes, density: scene.density })
     }
 }
 
 impl Engine for Box3d {
+    fn spawn(&mut self, bodies: &[Placed]) -> Result<(), Error> {
+        for b in bodies {
+            let kind = b3BodyType_b3_dynamicBody;
+            self.bodies.push(self.world.add(&self.shapes[b.shape], &b.pose, kind, self.density)?);
+        }
+        Ok(())
+    }
+
     fn drive(&mut self, targets: &[Pose]) -> Result<(), Error> {
         for (&body, target) in self.driven.iter().zip(targets) {
             let target = b3Transform { p: vector(target.position.as_vec3()), q: quaternion(target.rotation) };

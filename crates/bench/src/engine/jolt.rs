@@ -3,7 +3,7 @@
 
 use super::Engine;
 use crate::Error;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Placed, Scene};
 use oxijolt_sys::*;
 use rockfall::Shape;
 use rockfall::math::{DVec3, Pose, Quat, Vec3};
@@ -13,13 +13,13 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 /// Of the library that the wrapper brings.
 pub(super) const VERSION: &str = "5.6.0";
 
-/// Jolt wants to know before it starts how much it will have to hold: so many for each body, and a few for the walls. A
-/// step that needs more ends with an error.
+/// Jolt wants to know before it starts how much it will have to hold: so many for each body that moves, and a few for the
+/// walls. A step that needs more ends with an error.
 const PAIRS: usize = 20;
 const CONTACTS: usize = 10;
 const FEW: usize = 1 << 16;
 
-/// Bytes that a step takes for each contact and each body, generously.
+/// Bytes that a step takes for each contact and each body that moves, generously.
 const CONTACT_BYTES: usize = 1024;
 const BODY_BYTES: usize = 512;
 
@@ -33,14 +33,15 @@ static WORLDS: Mutex<()> = Mutex::new(());
 
 pub(super) struct Jolt {
     world: World,
+    shapes: Vec<Cooked>,
     bodies: Vec<NonNull<JPH_Body>>,
     driven: Vec<NonNull<JPH_Body>>,
 }
 
 impl Jolt {
     pub(super) fn new(scene: &Scene, threads: usize) -> Result<Self, Error> {
-        let count = scene.fixed.len() + scene.driven.len() + scene.bodies.len();
-        let world = World::new(count, scene.gravity, threads)?;
+        let moving = scene.driven.len() + scene.bodies.len();
+        let world = World::new(scene.fixed.len(), moving, scene.gravity, threads)?;
         let cooked = scene.shapes.iter().map(|shape| cook(shape, scene.density));
         let shapes = cooked.collect::<Result<Vec<_>, _>>()?;
         let add = |shape: usize, pose: &Pose, kind: JPH_MotionType| world.add(&shapes[shape], pose, kind);
@@ -49,15 +50,25 @@ impl Jolt {
         }
         let driven = scene.driven.iter().map(|d| add(d.shape, &d.after(0), JPH_MotionType_Kinematic));
         let driven = driven.collect::<Result<_, _>>()?;
-        let bodies = scene.bodies.iter().map(|b| add(b.shape, &b.pose, JPH_MotionType_Dynamic));
-        let bodies = bodies.collect::<Result<_, _>>()?;
-        // SAFETY: the world lives, and no step is under way.
-        unsafe { JPH_PhysicsSystem_OptimizeBroadPhase(world.system.as_ptr()) };
-        Ok(Jolt { world, bodies, driven })
+        Ok(Jolt { world, shapes, bodies: Vec::new(), driven })
     }
 }
 
 impl Engine for Jolt {
+    fn spawn(&mut self, bodies: &[Placed]) -> Result<(), Error> {
+        let first = self.bodies.is_empty();
+        for b in bodies {
+            let body = self.world.add(&self.shapes[b.shape], &b.pose, JPH_MotionType_Dynamic)?;
+            self.bodies.push(body);
+        }
+        if first {
+            // Advised once a world is filled, and against later.
+            // SAFETY: the world lives, and no step is under way.
+            unsafe { JPH_PhysicsSystem_OptimizeBroadPhase(self.world.system.as_ptr()) };
+        }
+        Ok(())
+    }
+
     fn drive(&mut self, targets: &[Pose]) -> Result<(), Error> {
         for (body, target) in self.driven.iter().zip(targets) {
             let mut position = vector(target.position.as_vec3());
@@ -119,16 +130,18 @@ struct World {
 }
 
 impl World {
-    fn new(bodies: usize, gravity: f32, threads: usize) -> Result<Self, Error> {
+    fn new(fixed: usize, moving: usize, gravity: f32, threads: usize) -> Result<Self, Error> {
         static READY: OnceLock<bool> = OnceLock::new();
         // SAFETY: once per process.
         if !READY.get_or_init(|| unsafe { JPH_Init() }) {
             return Err(refused("it did not start".to_owned()));
         }
-        let fits = |n: usize| u32::try_from(n).map_err(|_| refused(format!("no room for {bodies} bodies")));
-        let contacts = CONTACTS * bodies + FEW;
-        let scratch = fits(CONTACT_BYTES * contacts + BODY_BYTES * bodies + (64 << 20))?;
-        let [bodies, pairs, contacts] = [fits(bodies)?, fits(PAIRS * bodies + FEW)?, fits(contacts)?];
+        let fits = |n: usize| {
+            u32::try_from(n).map_err(|_| refused(format!("no room for {moving} bodies that move")))
+        };
+        let contacts = CONTACTS * moving + FEW;
+        let scratch = fits(CONTACT_BYTES * contacts + BODY_BYTES * moving + (64 << 20))?;
+        let [bodies, pairs, contacts] = [fits(fixed + moving)?, fits(PAIRS * moving + FEW)?, fits(contacts)?];
         let none = || refused("it made no world".to_owned());
 
         let _guard = WORLDS.lock().unwrap_or_else(PoisonError::into_inner);

@@ -2,7 +2,7 @@
 
 use super::Engine;
 use crate::Error;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Placed, Scene};
 use physx_sys::*;
 use rockfall::Shape;
 use rockfall::math::{DVec3, Pose, Quat, Vec3};
@@ -19,6 +19,8 @@ pub(super) struct Physx {
     bodies: Vec<NonNull<PxRigidDynamic>>,
     driven: Vec<NonNull<PxRigidDynamic>>,
     world: World,
+    shapes: Vec<Cooked>,
+    density: f32,
 }
 
 impl Physx {
@@ -41,12 +43,20 @@ impl Physx {
             }
             driven.push(body);
         }
-        let bodies = scene.bodies.iter().map(|b| add(b.shape, &b.pose)).collect::<Result<_, _>>()?;
-        Ok(Physx { bodies, driven, world })
+        Ok(Physx { bodies: Vec::new(), driven, world, shapes, density: scene.density })
     }
 }
 
 impl Engine for Physx {
+    fn spawn(&mut self, bodies: &[Placed]) -> Result<(), Error> {
+        let guard = library()?;
+        let library = guard.as_ref().ok_or_else(|| refused("it did not start".to_owned()))?;
+        for b in bodies {
+            self.bodies.push(self.world.add(library, &self.shapes[b.shape], &b.pose, self.density)?);
+        }
+        Ok(())
+    }
+
     fn drive(&mut self, targets: &[Pose]) -> Result<(), Error> {
         for (body, target) in self.driven.iter().zip(targets) {
             // SAFETY: the body lives and is kinematic, no step is under way, and the pose is read during the call.

@@ -4,7 +4,7 @@
 
 use super::Engine;
 use crate::Error;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Placed, Scene};
 use rapier3d::math::{Pose as Place, Vector};
 use rapier3d::prelude::*;
 use rockfall::Shape;
@@ -12,6 +12,8 @@ use rockfall::math::{Pose, Quat};
 
 pub(super) struct Rapier {
     world: PhysicsWorld,
+    shapes: Vec<SharedShape>,
+    density: f32,
     handles: Vec<RigidBodyHandle>,
     driven: Vec<RigidBodyHandle>,
 }
@@ -25,12 +27,7 @@ impl Rapier {
             .configure_thread_pool(threads)
             .map_err(|e| Error::Engine { engine: "rapier", reason: e.to_string() })?;
         let shapes = scene.shapes.iter().map(shared).collect::<Result<Vec<_>, _>>()?;
-        let collider = |shape: usize| {
-            ColliderBuilder::new(shapes[shape].clone())
-                .density(scene.density)
-                .friction(scene::FRICTION)
-                .restitution(scene::RESTITUTION)
-        };
+        let collider = |shape: usize| collider(&shapes[shape], scene.density);
         for fixed in &scene.fixed {
             world.insert(RigidBodyBuilder::fixed().pose(place(&fixed.pose)), collider(fixed.shape));
         }
@@ -42,18 +39,20 @@ impl Rapier {
                 world.insert(body, collider(d.shape)).0
             })
             .collect();
-        let bodies = scene.bodies.iter();
-        let handles = bodies
-            .map(|p| {
-                let body = RigidBodyBuilder::dynamic().pose(place(&p.pose)).can_sleep(false);
-                world.insert(body, collider(p.shape)).0
-            })
-            .collect();
-        Ok(Rapier { world, handles, driven })
+        Ok(Rapier { world, shapes, density: scene.density, handles: Vec::new(), driven })
     }
 }
 
 impl Engine for Rapier {
+    fn spawn(&mut self, bodies: &[Placed]) -> Result<(), Error> {
+        for p in bodies {
+            let body = RigidBodyBuilder::dynamic().pose(place(&p.pose)).can_sleep(false);
+            let (handle, _) = self.world.insert(body, collider(&self.shapes[p.shape], self.density));
+            self.handles.push(handle);
+        }
+        Ok(())
+    }
+
     fn drive(&mut self, targets: &[Pose]) -> Result<(), Error> {
         for (&handle, target) in self.driven.iter().zip(targets) {
             self.world.bodies[handle].set_next_kinematic_position(place(target));
@@ -84,6 +83,13 @@ impl Engine for Rapier {
             .map(|&c| f64::from(self.world.colliders[c].mass_properties().mass()))
             .sum()
     }
+}
+
+fn collider(shape: &SharedShape, density: f32) -> ColliderBuilder {
+    ColliderBuilder::new(shape.clone())
+        .density(density)
+        .friction(scene::FRICTION)
+        .restitution(scene::RESTITUTION)
 }
 
 fn place(pose: &Pose) -> Place {

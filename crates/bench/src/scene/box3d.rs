@@ -1,6 +1,12 @@
 //! The scenes that Box3D is measured with (`shared/benchmarks.c` of its repository, August 2026), with its sizes, counts, density and
 //! gravity. Its y is our z. Fewer bodies than it has leave out layers; more are not possible.
 
+mod large_world;
+mod rain;
+
+pub(super) use large_world::large_world;
+pub(super) use rain::rain;
+
 use super::driven::{Driven, Path};
 use super::{Placed, Scene, pyramid};
 use rockfall::Shape;
@@ -21,6 +27,8 @@ pub(super) const MANY_PYRAMIDS: usize = 14 * 14 * 55;
 pub(super) const CONVEX_PILE: usize = 8 * 8 * 80;
 pub(super) const JUNKYARD: usize = 21 * 21 * 24;
 pub(super) const WASHER: usize = 20 * 20 * 20;
+pub(super) const RAIN: usize = 10 * 10 * 3 * 14;
+pub(super) const LARGE_WORLD: usize = 100;
 
 /// A flat pyramid of unit boxes that touch their neighbours; the base of all is 100.
 pub(super) fn large_pyramid(count: usize) -> Scene {
@@ -185,6 +193,10 @@ mod tests {
         assert_eq!((yard.bodies.len(), yard.driven.len()), (10_584, 1));
         let washer = washer(all).expect("a scene");
         assert_eq!((washer.bodies.len(), washer.driven.len()), (8000, 40));
+        let rain = rain(all).expect("a scene");
+        assert_eq!((rain.bodies.len(), rain.fixed.len()), (4200, 200));
+        let world = large_world(all);
+        assert_eq!((world.bodies.len(), world.fixed.len()), (100, 1_000_000));
     }
 
     #[test]
