@@ -52,6 +52,39 @@ impl<'a, T> DisjointRows<'a, T> {
         unsafe { &*(*self.rows.add(i)).get() }
     }
 
+    /// [`DisjointRows::get`] of a row that is known to be there, as after [`DisjointRows::has`].
+    ///
+    /// # Safety
+    /// `i` is smaller than [`DisjointRows::len`], and the promise of [`DisjointRows::get`].
+    #[inline(always)]
+    pub unsafe fn get_unchecked(&self, i: usize) -> &T {
+        debug_assert!(i < self.len);
+        // SAFETY: both are the caller's promise.
+        unsafe { &*(*self.rows.add(i)).get() }
+    }
+
+    /// [`DisjointRows::row`] of a row that is known to be there, as after [`DisjointRows::has`].
+    ///
+    /// # Safety
+    /// `i` is smaller than [`DisjointRows::len`], and the promise of [`DisjointRows::row`].
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref)]
+    pub unsafe fn row_unchecked(&self, i: usize) -> &mut T {
+        debug_assert!(i < self.len);
+        // SAFETY: both are the caller's promise.
+        unsafe { &mut *(*self.rows.add(i)).get() }
+    }
+
+    /// Asks once for many rows, which costs a few instructions for all of them together.
+    ///
+    /// # Panics
+    /// When one of them is not there.
+    #[inline(always)]
+    pub fn has(&self, rows: &[u32]) {
+        let last = rows.iter().fold(0, |last, &row| if row > last { row } else { last });
+        assert!((last as usize) < self.len);
+    }
+
     /// A row to write to.
     ///
     /// # Panics
@@ -88,6 +121,15 @@ mod tests {
             }
         });
         assert!(table.iter().enumerate().all(|(i, &x)| x == i + i % 4));
+    }
+
+    #[test]
+    #[should_panic(expected = "self.len")]
+    fn a_row_that_is_not_among_many_is_caught() {
+        let mut table = [0.0_f32; 3];
+        let rows = DisjointRows::new(&mut table);
+        rows.has(&[2, 0, 1]);
+        rows.has(&[2, 3, 1]);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(crate) fn complete<L: Lanes, const P: usize, const T: usize>(
 
 /// 1 / x, or 0 where nothing can give way.
 #[inline(always)]
-fn invert<L: Lanes>(token: L::Token, x: L) -> L {
+pub(crate) fn invert<L: Lanes>(token: L::Token, x: L) -> L {
     let zero = L::splat(token, 0.0);
     let one = L::splat(token, 1.0);
     let positive = zero.lt(x);

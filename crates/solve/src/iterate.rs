@@ -12,6 +12,7 @@
 //! that rolls this is exact; an edge that turns by Δθ errs by r Δθ² / 2, on the side of more room.
 
 use crate::advance::Advance;
+use crate::balls::iterate_balls;
 use crate::block::{Block, Cold, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
@@ -21,22 +22,34 @@ use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
-/// One sweep over all contacts, after a change of every body.
-pub fn iterate(
+/// One sweep over all contacts, with position correction, after a change of every body.
+pub fn solve(
     contacts: &mut Contacts,
     columns: &mut Columns<'_>,
     width: Width,
     change: &impl Advance,
     step: &SubStep,
 ) {
-    sweep(contacts, columns, width, change, &Iterate { step: *step });
+    sweep(contacts, columns, width, change, &Iterate::<false> { step: *step });
 }
 
-struct Iterate {
+/// One sweep over all contacts, without position correction, after a change of every body.
+pub fn relax(
+    contacts: &mut Contacts,
+    columns: &mut Columns<'_>,
+    width: Width,
+    change: &impl Advance,
+    step: &SubStep,
+) {
+    sweep(contacts, columns, width, change, &Iterate::<true> { step: *step });
+}
+
+/// Two kernels, so that each has only what it needs.
+struct Iterate<const RELAX: bool> {
     step: SubStep,
 }
 
-impl Visit for Iterate {
+impl<const RELAX: bool> Visit for Iterate<RELAX> {
     #[inline(always)]
     fn visit<L: Lanes, const P: usize, const T: usize>(
         &self,
@@ -45,18 +58,33 @@ impl Visit for Iterate {
         block: &mut Block<P, T>,
         mut cold: Option<&mut Cold>,
         k: usize,
-        &Span { one_sided, .. }: &Span,
+        span: &Span,
     ) {
+        let (step, one_sided) = (&self.step, span.one_sided);
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
-        let normal: Lanes3<L> = load3(token, &block.normal, k);
-
-        for friction in [!self.step.normals_first, self.step.normals_first] {
-            let cold = cold.as_deref_mut();
-            if friction {
+        let bodies = (&mut a, &mut b);
+        if P == 1 && span.is_of_plain_balls() {
+            iterate_balls::<L, P, T, RELAX>(token, step, rows, block, k, one_sided, bodies);
+        } else {
+            let normal: Lanes3<L> = load3(token, &block.normal, k);
+            if !RELAX {
+                hold(token, block, cold.as_deref_mut(), k, normal, (&mut a, &mut b));
+            }
+            let bodies = (&mut a, &mut b);
+            press::<L, P, T, RELAX>(
+                token,
+                step,
+                rows,
+                block,
+                cold.as_deref_mut(),
+                k,
+                one_sided,
+                normal,
+                bodies,
+            );
+            if RELAX {
                 hold(token, block, cold, k, normal, (&mut a, &mut b));
-            } else {
-                press(token, &self.step, rows, block, cold, k, one_sided, normal, (&mut a, &mut b));
             }
         }
         a.scatter(rows, &block.a, k);
@@ -107,7 +135,7 @@ fn hold<L: Lanes, const P: usize, const T: usize>(
 /// Normal impulses, point by point.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
-fn press<L: Lanes, const P: usize, const T: usize>(
+fn press<L: Lanes, const P: usize, const T: usize, const RELAX: bool>(
     token: L::Token,
     step: &SubStep,
     rows: &Rows<'_>,
@@ -118,9 +146,7 @@ fn press<L: Lanes, const P: usize, const T: usize>(
     normal: Lanes3<L>,
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
-    let zero = L::splat(token, 0.0);
     let offset: Lanes3<L> = load3(token, &block.offset, k);
-    let soft = if one_sided { step.one_sided } else { step.two_sided };
     let (pa, ta) = gather_drift(token, rows, &block.a, k);
     let (pb, tb) = gather_drift(token, rows, &block.b, k);
     let gap = normal.dot(pb - pa);
@@ -130,12 +156,10 @@ fn press<L: Lanes, const P: usize, const T: usize>(
         let lever_a = arm_a.cross(normal);
         let lever_b = arm_b.cross(normal);
         let distance = load::<L>(token, &block.distances[p], k) + (gap + (lever_b.dot(tb) - lever_a.dot(ta)));
-        let (bias, mass_scale, leak) = correction(token, step, &soft, distance);
-
         let speed = normal.dot(b.v - a.v) + (lever_b.dot(b.w) - lever_a.dot(a.w));
         let mass: L = load(token, &block.masses[p], k);
         let old: L = load(token, &block.impulses[p], k);
-        let new = (old - mass * mass_scale * (speed + bias) - leak * old).max(zero);
+        let new = pressed::<L, RELAX>(token, step, one_sided, distance, speed, mass, old);
         store(new, &mut block.impulses[p], k);
         if let Some(cold) = cold.as_deref_mut() {
             let peak: L = load(token, &cold.peak[p], k);
@@ -151,6 +175,29 @@ fn press<L: Lanes, const P: usize, const T: usize>(
             b.w = b.w + b.inverse_inertia.times(lever_b).scale(j);
         }
     }
+}
+
+/// The normal impulse of a point that had `old`, for its signed distance and the speed at which the bodies part there.
+#[inline(always)]
+pub(crate) fn pressed<L: Lanes, const RELAX: bool>(
+    token: L::Token,
+    step: &SubStep,
+    one_sided: bool,
+    distance: L,
+    speed: L,
+    mass: L,
+    old: L,
+) -> L {
+    let zero = L::splat(token, 0.0);
+    let new = if RELAX {
+        let gap = distance.max(zero) * L::splat(token, 1.0 / step.h);
+        old - mass * (speed + gap)
+    } else {
+        let soft = if one_sided { &step.one_sided } else { &step.two_sided };
+        let (bias, mass_scale, leak) = correction(token, step, soft, distance);
+        old - mass * mass_scale * (speed + bias) - leak * old
+    };
+    new.max(zero)
 }
 
 /// Velocity to add to the approach, factor on the mass, and leak of the impulse, for a signed distance.
@@ -209,7 +256,7 @@ pub(crate) fn rub<L: Lanes, const P: usize, const T: usize>(
 
 /// The factor that brings a vector of squared length `squared` down to `limit`; 1 where it is shorter.
 #[inline(always)]
-fn shorten<L: Lanes>(token: L::Token, limit: L, squared: L) -> L {
+pub(crate) fn shorten<L: Lanes>(token: L::Token, limit: L, squared: L) -> L {
     let long = (limit * limit).lt(squared);
     let length = L::select(long, squared, L::splat(token, 1.0)).sqrt();
     L::select(long, limit / length, L::splat(token, 1.0))

@@ -5,6 +5,7 @@
 //! contacts does not matter, so that neither the number of threads nor the number of lanes can change a bit of the result.
 
 pub mod advance;
+mod balls;
 pub mod block;
 pub mod bounce;
 mod cold;

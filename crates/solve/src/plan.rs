@@ -25,6 +25,14 @@ pub(crate) struct Span {
     pub(crate) only: Option<u8>,
 }
 
+impl Span {
+    /// Whether all contacts are those that [`crate::balls`] is for.
+    #[inline(always)]
+    pub(crate) fn is_of_plain_balls(&self) -> bool {
+        self.class == Class::Ball && !self.cold
+    }
+}
+
 /// Spans that belong together in the order of a sweep.
 #[derive(Clone, Debug)]
 pub(crate) enum Part {

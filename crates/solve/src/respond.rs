@@ -6,7 +6,7 @@ use crate::bounce::bounce;
 use crate::contacts::Contacts;
 use crate::drift::Transform;
 use crate::impulse::{contact_matrix, response};
-use crate::iterate::iterate;
+use crate::iterate::{relax, solve};
 use crate::line::{Columns, Drift, Line};
 use crate::plan::Span;
 use crate::push::Push;
@@ -61,17 +61,16 @@ pub fn soft_step(
         push_speed: plan.push_speed,
         two_sided: Softness::new(hertz, plan.damping, h),
         one_sided: Softness::new(2.0 * hertz, plan.damping, h),
-        normals_first: false,
     };
     for i in 0..plan.substeps {
         let push = Push { gravity: plan.gravity, h, first: i == 0 };
         if push.first {
             warm(contacts, columns, width, &push);
-            iterate(contacts, columns, width, &Stay, &step);
+            solve(contacts, columns, width, &Stay, &step);
         } else {
-            iterate(contacts, columns, width, &push, &step);
+            solve(contacts, columns, width, &push, &step);
         }
-        iterate(contacts, columns, width, &Transform { h }, &step.relaxing());
+        relax(contacts, columns, width, &Transform { h }, &step);
     }
     let solved = Instant::now();
     bounce(contacts, columns, width, plan.restitution_threshold, plan.gravity, h);

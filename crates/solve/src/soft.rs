@@ -25,9 +25,6 @@ impl Softness {
         let a3 = 1.0 / (1.0 + a2);
         Softness { rate: omega / a1, mass_scale: a2 * a3, impulse_scale: a3 }
     }
-
-    /// No softness: the velocity error is taken away whole.
-    pub const RIGID: Softness = Softness { rate: 0.0, mass_scale: 1.0, impulse_scale: 0.0 };
 }
 
 /// What all contacts of a sweep share.
@@ -41,15 +38,6 @@ pub struct SubStep {
     pub two_sided: Softness,
     /// Contacts with immovable bodies: stiffer, because nothing gives way.
     pub one_sided: Softness,
-    /// Friction follows the normal impulses, rather than going before them.
-    pub normals_first: bool,
-}
-
-impl SubStep {
-    /// The same sub-step without position correction.
-    pub fn relaxing(self) -> Self {
-        SubStep { two_sided: Softness::RIGID, one_sided: Softness::RIGID, normals_first: true, ..self }
-    }
 }
 
 #[cfg(test)]

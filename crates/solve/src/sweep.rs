@@ -242,9 +242,10 @@ impl<L: Lanes> BodyLanes<L> {
         k: usize,
         movable: bool,
     ) -> Self {
-        // SAFETY: within a layer no other thread writes a body of these lanes; bodies that can't be moved are written
-        // by none.
-        let line = |i: usize| unsafe { rows.lines.get(index[k + i] as usize) };
+        rows.lines.has(&index[k..k + L::WIDTH]);
+        // SAFETY: all of these rows are there. Within a layer no other thread writes a body of these lanes; bodies that can't be moved
+        // are written by none.
+        let line = |i: usize| unsafe { rows.lines.get_unchecked(index[k + i] as usize) };
         let [vx, vy, vz, wx, wy, wz, inverse_mass, gravity_scale] = L::gather(token, |i| &line(i).motion);
         let inverse_inertia = if movable {
             let [xx, xy, xz, yy, yz, zz, _, _] = L::gather(token, |i| &line(i).inertia);
@@ -266,11 +267,12 @@ impl<L: Lanes> BodyLanes<L> {
     pub(crate) fn scatter(self, rows: &Rows<'_>, index: &[u32; LANES], k: usize) {
         let BodyLanes { v, w, inverse_mass, gravity_scale, .. } = self;
         let columns = [v.x, v.y, v.z, w.x, w.y, w.z, inverse_mass, gravity_scale];
+        rows.lines.has(&index[k..k + L::WIDTH]);
         L::scatter(columns, |i, motion: Row| {
             let row = index[k + i] as usize;
             if row != 0 {
-                // SAFETY: within a layer no two lanes and no two threads hold the same movable body.
-                unsafe { rows.lines.row(row).motion = motion };
+                // SAFETY: the row is there, and within a layer no two lanes and no two threads hold the same movable body.
+                unsafe { rows.lines.row_unchecked(row).motion = motion };
             }
         });
     }
@@ -303,8 +305,9 @@ pub(crate) fn gather_drift<L: Lanes>(
     index: &[u32; LANES],
     k: usize,
 ) -> (Lanes3<L>, Lanes3<L>) {
-    // SAFETY: no sweep that reads drifts through this function writes any.
-    let drift = |i: usize| unsafe { &rows.drifts.get(index[k + i] as usize).0 };
+    rows.drifts.has(&index[k..k + L::WIDTH]);
+    // SAFETY: all of these rows are there, and no sweep that reads drifts through this function writes any.
+    let drift = |i: usize| unsafe { &rows.drifts.get_unchecked(index[k + i] as usize).0 };
     let [px, py, pz, rx, ry, rz, _, _] = L::gather(token, drift);
     (Lanes3::new(px, py, pz), Lanes3::new(rx, ry, rz))
 }

@@ -5,6 +5,7 @@
 //! sub-steps start from the change of velocity that contacts made in the one before (see [`crate::push`]).
 
 use crate::advance::Advance;
+use crate::balls::warm_balls;
 use crate::block::{Block, Cold, load, load3, tangents};
 use crate::contacts::Contacts;
 use crate::effective::complete;
@@ -29,10 +30,19 @@ impl Visit for Warm {
         block: &mut Block<P, T>,
         cold: Option<&mut Cold>,
         k: usize,
-        &Span { one_sided, .. }: &Span,
+        span: &Span,
     ) {
+        let one_sided = span.one_sided;
         let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
         let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        if P == 1 && span.is_of_plain_balls() {
+            warm_balls(token, block, k, &mut a, &mut b);
+            a.scatter(rows, &block.a, k);
+            if !one_sided {
+                b.scatter(rows, &block.b, k);
+            }
+            return;
+        }
         complete(token, block, k, (&a, &b));
         let normal: Lanes3<L> = load3(token, &block.normal, k);
         let offset = load3(token, &block.offset, k);

@@ -9,7 +9,7 @@ use rockfall_math::lanes::Width;
 use rockfall_math::{Mat3, Quat, Vec3};
 use rockfall_solve::advance::Stay;
 use rockfall_solve::follow::follow;
-use rockfall_solve::iterate::iterate;
+use rockfall_solve::iterate::{relax, solve};
 use rockfall_solve::line::Role;
 use rockfall_solve::warm::warm;
 use rockfall_solve::{
@@ -168,10 +168,10 @@ macro_rules! kernels {
 kernels! {
     warm_balls: |contacts, columns, width| warm(contacts, columns, width, &Stay);
     warm_boxes: |contacts, columns, width| warm(contacts, columns, width, &Stay);
-    solve_balls: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step());
-    solve_boxes: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step());
-    relax_balls: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step().relaxing());
-    relax_boxes: |contacts, columns, width| iterate(contacts, columns, width, &Stay, &step().relaxing());
+    solve_balls: |contacts, columns, width| solve(contacts, columns, width, &Stay, &step());
+    solve_boxes: |contacts, columns, width| solve(contacts, columns, width, &Stay, &step());
+    relax_balls: |contacts, columns, width| relax(contacts, columns, width, &Stay, &step());
+    relax_boxes: |contacts, columns, width| relax(contacts, columns, width, &Stay, &step());
     follow_balls: follow;
     follow_boxes: follow;
 }
@@ -179,7 +179,7 @@ kernels! {
 fn step() -> SubStep {
     let h = 1.0 / 240.0;
     let (two_sided, one_sided) = (Softness::new(60.0, 0.5, h), Softness::new(120.0, 0.5, h));
-    SubStep { h, push_speed: 3.0, two_sided, one_sided, normals_first: false }
+    SubStep { h, push_speed: 3.0, two_sided, one_sided }
 }
 
 /// Bodies in pairs, one upon the other, each pair with one contact: of two balls, or of the four corners of two boxes' faces.

@@ -135,10 +135,13 @@ impl Bodies {
         Pose { position: self.positions[row] - center.as_dvec3(), rotation }
     }
 
-    /// Whether the body of a row is a ball about its centre of mass: turning it changes nothing that can be seen.
+    /// Whether the body of a row is a ball about its centre of mass, with the same inertia about all axes: turning it changes nothing
+    /// that can be seen.
     pub(crate) fn is_ball(&self, row: usize, shapes: &[Shape]) -> bool {
         let shape = shapes.get(self.shapes[row] as usize);
-        matches!(shape, Some(Shape::Sphere { .. })) && self.centers[row] == Vec3::ZERO
+        let moments = self.inverse_moments[row];
+        let even = moments.x == moments.y && moments.y == moments.z && self.locks[row] >> 3 == 0;
+        matches!(shape, Some(Shape::Sphere { .. })) && self.centers[row] == Vec3::ZERO && even
     }
 
     /// Inverse inertia in world axes, locked rotations taken out.
