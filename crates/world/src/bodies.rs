@@ -113,6 +113,8 @@ columns! {
     reaches: f32 = 0.0,
     /// Way gone so far; see `crate::recall`.
     ways: u32 = 0,
+    /// Way, in the same counts, that the body surely has left in its box.
+    spares: u32 = 0,
     /// What the broad phase sees: a box with room to move in.
     boxes: Aabb = Aabb::EMPTY,
 }

@@ -1,13 +1,14 @@
 //! Stage 2, **bound**: boxes for the broad phase.
 //!
 //! Reads poses and shapes; writes each moving body's way, reach, inverse inertia in world axes, role, and box, and tells which
-//! boxes are new. A box has room to move in: it stays until the body, with its reach, leaves it.
+//! boxes are new. A box has room to move in: it stays until the body, with its reach, leaves it. How much of the room is left is counted
+//! down by the way that the body goes, so that bodies that hardly move need not be measured.
 
 use crate::bodies::{Bodies, State};
-use crate::recall::way;
+use crate::recall::{count_below, count_of, way};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
-use rockfall_math::Vec3;
+use rockfall_math::{Aabb, Vec3};
 use rockfall_solve::line::Role;
 use std::mem::take;
 
@@ -39,47 +40,68 @@ pub(crate) fn bound(
     // The columns that are written leave the others for so long.
     let (mut boxes, mut reaches) = (take(&mut bodies.boxes), take(&mut bodies.reaches));
     let (mut lines, mut roles) = (take(&mut bodies.lines), take(&mut bodies.roles));
-    let mut ways = take(&mut bodies.ways);
+    let (mut ways, mut spares) = (take(&mut bodies.ways), take(&mut bodies.spares));
     let dt = 1.0 / settings.rate;
-    (&mut boxes, &mut reaches, &mut lines, &mut roles, &mut ways, moved)
+    (&mut boxes, &mut reaches, &mut lines, &mut roles, &mut ways, &mut spares, moved)
         .into_par_iter()
         .enumerate()
         .with_min_len(256)
-        .for_each(|(row, (old, reach, line, role, gone, moved))| {
+        .for_each(|(row, (old, reach, line, role, gone, spare, moved))| {
             let (kind, awake) = (bodies.kinds[row], bodies.states[row] == State::Awake);
-            if kind == Kind::Dynamic && (all || awake) {
-                line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
+            // A plane is infinitely large, and would seem to go any way by not turning at all.
+            if kind == Kind::Static && !all {
+                return;
             }
             *role = match (kind, awake) {
                 (Kind::Dynamic, true) => Role::Free,
                 (Kind::Kinematic, true) => Role::Driven,
                 _ => Role::Still,
             };
+            if kind == Kind::Dynamic && (all || awake) {
+                line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
+            }
             let radius = if bodies.is_ball(row, shapes) { 0.0 } else { bodies.radii[row] };
-            *gone = gone.wrapping_add(way(&bodies.drifts[row], radius));
+            let way = way(&bodies.drifts[row], radius);
+            *gone = gone.wrapping_add(way);
             let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if !all && *role == Role::Still {
                 return;
             }
-            let bounds = shape.placed_bounds(&bodies.shape_pose(row));
             if kind == Kind::Static {
-                (*old, *moved) = (bounds, true);
+                (*old, *moved) = (shape.placed_bounds(&bodies.shape_pose(row)), true);
                 return;
             }
             // A kinematic surface has no inner radius, or an infinite one; its partners reach for it.
             let inner = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
             let speed = line.velocity().length() + line.angular_velocity().length() * bodies.radii[row];
+            let before = *reach;
             *reach = REACH * inner + (speed * dt).min(FAST_REACH * inner);
-            let tight = bounds.grown(*reach);
-            if !all && old.contains(&tight) {
+            *spare = spare.saturating_sub(way).saturating_sub(count_of((*reach - before).max(0.0)));
+            if !all && *spare > 0 {
                 return;
             }
-            let ahead = line.velocity() * (STEPS * dt);
-            let mut fat = tight.grown(ROOM * inner);
-            fat.min += ahead.min(Vec3::ZERO);
-            fat.max += ahead.max(Vec3::ZERO);
-            (*old, *moved) = (fat, true);
+            let tight = shape.placed_bounds(&bodies.shape_pose(row)).grown(*reach);
+            if all || !old.contains(&tight) {
+                *moved = true;
+                *old = roomy(&tight, inner, line.velocity() * (STEPS * dt));
+            }
+            *spare = room_in(old, &tight);
         });
     (bodies.boxes, bodies.reaches) = (boxes, reaches);
-    (bodies.lines, bodies.roles, bodies.ways) = (lines, roles, ways);
+    (bodies.lines, bodies.roles) = (lines, roles);
+    (bodies.ways, bodies.spares) = (ways, spares);
+}
+
+/// A box with room to move in, most of it ahead, metres.
+fn roomy(tight: &Aabb, inner: f32, ahead: Vec3) -> Aabb {
+    let mut fat = tight.grown(ROOM * inner);
+    fat.min += ahead.min(Vec3::ZERO);
+    fat.max += ahead.max(Vec3::ZERO);
+    fat
+}
+
+/// How far `tight` may move or grow and be inside of `fat` still, as a count of way. A little less, for what boxes lose to rounding.
+fn room_in(fat: &Aabb, tight: &Aabb) -> u32 {
+    let room = (tight.min - fat.min).min_element().min((fat.max - tight.max).min_element());
+    count_below(0.9 * room)
 }

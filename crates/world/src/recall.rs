@@ -42,17 +42,23 @@ impl Recall {
 
     /// Sets the mark for `way` metres more.
     pub(crate) fn set(&mut self, count: u32, way: f32) {
-        // Rounded down, a little more than single precision errs by.
-        let ahead = (way * (METRE * (1.0 - 1e-6))).min(AHEAD);
-        self.mark = count.wrapping_add(ahead as u32);
+        self.mark = count.wrapping_add(count_below(way));
     }
+}
+
+/// A length in counts, rounded down a little more than single precision errs by, and not beyond [`AHEAD`].
+pub(crate) fn count_below(length: f32) -> u32 {
+    (length * (METRE * (1.0 - 1e-6))).min(AHEAD) as u32
+}
+
+/// A length in counts, rounded up, so that whatever moves gets on; [`LEAP`] at most.
+pub(crate) fn count_of(length: f32) -> u32 {
+    (length * (METRE * (1.0 + 1e-6))).min(LEAP).ceil() as u32
 }
 
 /// What a body's motion in a step adds to its count, `radius` being the distance of its farthest point from its centre.
 pub(crate) fn way(drift: &Drift, radius: f32) -> u32 {
-    let way = drift.translation().length() + drift.rotation().length() * radius;
-    // Rounded up, so that whatever moves gets on.
-    (way * (METRE * (1.0 + 1e-6))).min(LEAP).ceil() as u32
+    count_of(drift.translation().length() + drift.rotation().length() * radius)
 }
 
 /// How far two bodies may move while their manifold only follows them, metres. Nothing where a shape is round and the other is not: a ball
