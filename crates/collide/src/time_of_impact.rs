@@ -70,6 +70,17 @@ impl Motion {
         Isometry { rotation, translation: self.center_at(time) - rotation * self.center }
     }
 
+    /// What is left of the motion after a time from 0 to 1.
+    pub fn after(&self, time: f32) -> Motion {
+        let left = 1.0 - time;
+        Motion {
+            start: self.at(time),
+            center: self.center,
+            translation: self.translation * left,
+            rotation: self.rotation * left,
+        }
+    }
+
     fn center_at(&self, time: f32) -> Vec3 {
         self.start.point(self.center) + self.translation * time
     }
