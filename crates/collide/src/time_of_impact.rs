@@ -5,6 +5,13 @@
 //! width of the slab over that speed without missing anything, and the steps shrink to nothing at the impact (Mirtich,
 //! *Impulse-based Dynamic Simulation of Rigid Body Systems*, 1996, section 2.3). A surface is taken triangle by
 //! triangle, along pieces of the path.
+//!
+//! What slides, rolls or turns on a surface is near its triangles all the time, and its contacts hold it; were it stopped
+//! wherever it touches, it would hang in the air with all of its speed. So a triangle stops only what would go *through* it: a
+//! body whose core, the body less a quarter of its inner radius, meets the triangle on the way. One that comes from afar is
+//! stopped where it touches, one that was near from the start where its core does. A body that is already in the triangle
+//! has a smaller core, so that each may sink in by a quarter more and none is held where it lies, but for one whose middle
+//! is at the triangle. (Box2D and Box3D stop at the centroid, Jolt where the motion is more than a share of the inner radius.)
 
 use crate::gjk::{Proximity, proximity};
 use crate::poly::BoxPoly;
@@ -12,6 +19,7 @@ use crate::surface::Surface;
 use rockfall_math::{Aabb, Isometry, Mat3, Vec3, rotation};
 use rockfall_shape::Shape;
 use smallvec::SmallVec;
+use std::cell::OnceCell;
 
 /// Where a body is and how it moves over an interval: its centre on a straight line, at constant speed, the rest around
 /// the centre at a constant angular velocity.
@@ -62,6 +70,17 @@ impl Motion {
         Isometry { rotation, translation: self.center_at(time) - rotation * self.center }
     }
 
+    /// What is left of the motion after a time from 0 to 1.
+    pub fn after(&self, time: f32) -> Motion {
+        let left = 1.0 - time;
+        Motion {
+            start: self.at(time),
+            center: self.center,
+            translation: self.translation * left,
+            rotation: self.rotation * left,
+        }
+    }
+
     fn center_at(&self, time: f32) -> Vec3 {
         self.start.point(self.center) + self.translation * time
     }
@@ -75,8 +94,9 @@ impl Motion {
 ///
 /// A pair that is nearer than the target at the start is in contact, which is not the business of this function: it gives
 /// none, unless A moves towards B by more than its own inner radius, which no contact could make good; then the
-/// time is 0. Triangles of a surface stop what comes from their front and would sink into their plane by more than the
-/// target and a quarter of A's inner radius.
+/// time is 0. Triangles of a surface stop what comes from their front and would sink into them by more than a quarter
+/// of A's inner radius: where it comes near them or, if it was nearer than half of that radius from the start,
+/// where it has sunk in by so much.
 ///
 /// None as well where `a` is not convex or a number is not finite.
 pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
@@ -88,18 +108,18 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
     if !finite || target_distance.is_nan() {
         return None;
     }
-    let core_a = Core::new(a, &sweep.a)?;
-    let course = Course { sweep, a: &core_a, inner: a.inner_radius(), target: target_distance.max(0.0) };
+    let whole = Core::new(a, &sweep.a, 0.0)?;
+    let course = Course { sweep, inner: a.inner_radius(), target: target_distance.max(0.0) };
     match b {
         Shape::HalfSpace { normal, offset } => {
-            course.advance(&Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
+            course.advance(&whole, &Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
         }
-        Shape::Mesh(mesh) => course.surface(&**mesh),
-        Shape::HeightField(field) => course.surface(&**field),
+        Shape::Mesh(mesh) => course.surface(&Cores::new(a, whole), &**mesh),
+        Shape::HeightField(field) => course.surface(&Cores::new(a, whole), &**field),
         _ => {
-            let core_b = Core::new(b, &sweep.b)?;
-            let (points, radius, reach) = (&core_b.points, core_b.radius, core_b.reach);
-            course.advance(&Other::Convex { points, radius, reach, front: None }, 0.0, 1.0)
+            let core_b = Core::new(b, &sweep.b, 0.0)?;
+            let (points, radius, arm) = (&core_b.points, core_b.radius, core_b.arm);
+            course.advance(&whole, &Other::Convex { points, radius, arm, front: None }, 0.0, 1.0)
         }
     }
 }
@@ -107,8 +127,16 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
 /// Steps of one advance. Each lands on the impact where nothing turns; a turning body takes one to two dozen.
 const MAX_STEPS: usize = 128;
 
-/// Share of A's inner radius that it may sink into a triangle without an impact: contacts push it out again.
+/// Share of A's inner radius by which it may sink into a triangle, or further into it, without an impact: contacts push it
+/// out again.
 const SUNK: f32 = 0.25;
+
+/// Layers as thick as that from A's surface to its middle.
+const LAYERS: usize = 4;
+
+/// Distance up to which a triangle counts as near from the start, as a share of A's inner radius. Contacts of what is
+/// fast enough to need this function reach as far.
+const NEAR: f32 = 0.5;
 
 /// Pieces into which the path is cut to look for triangles.
 const MAX_PIECES: usize = 64;
@@ -119,22 +147,60 @@ struct Core {
     radius: f32,
     /// Largest distance of the surface from the centre of rotation, metres.
     reach: f32,
+    /// Largest distance of a point from the axis of rotation, metres. A skin looks the same however it turns.
+    arm: f32,
 }
 
 impl Core {
-    fn new(shape: &Shape, motion: &Motion) -> Option<Self> {
+    /// A shape without its outer layer, which is as thick as `less` times the inner radius or, at the far ends of a hull,
+    /// thicker.
+    fn new(shape: &Shape, motion: &Motion, less: f32) -> Option<Self> {
+        let left = 1.0 - less;
         let (points, radius): (SmallVec<[Vec3; 8]>, f32) = match shape {
-            Shape::Sphere { radius } => ([Vec3::ZERO].into_iter().collect(), *radius),
+            Shape::Sphere { radius } => ([Vec3::ZERO].into_iter().collect(), left * radius),
             Shape::Capsule { half_length, radius } => {
                 let end = Vec3::Z * *half_length;
-                ([-end, end].into_iter().collect(), *radius)
+                ([-end, end].into_iter().collect(), left * radius)
             }
-            Shape::Box { half } => (BoxPoly::new(*half).poly().vertices.iter().copied().collect(), 0.0),
-            Shape::Hull(hull) => (hull.vertices.iter().copied().collect(), 0.0),
+            Shape::Box { half } => {
+                let half = *half - less * half.min_element();
+                (BoxPoly::new(half).poly().vertices.iter().copied().collect(), 0.0)
+            }
+            Shape::Hull(hull) => {
+                let shrunk = |v: &Vec3| hull.center + left * (*v - hull.center);
+                let points = if less > 0.0 {
+                    hull.vertices.iter().map(shrunk).collect()
+                } else {
+                    hull.vertices.iter().copied().collect()
+                };
+                (points, 0.0)
+            }
             Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
         };
         let reach = radius + furthest(&points, motion.center);
-        Some(Core { points, radius, reach })
+        let axis = motion.start.inverse_vector(motion.rotation).normalize_or_zero();
+        let arm = points.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
+        Some(Core { points, radius, reach, arm })
+    }
+}
+
+/// A shape and, made when they are asked for, its cores: each a layer of [`SUNK`] smaller, down to its middle.
+struct Cores<'a> {
+    shape: &'a Shape,
+    whole: Core,
+    smaller: [OnceCell<Option<Core>>; LAYERS],
+}
+
+impl<'a> Cores<'a> {
+    fn new(shape: &'a Shape, whole: Core) -> Self {
+        Cores { shape, whole, smaller: Default::default() }
+    }
+
+    /// A without so many layers; at the least its middle.
+    fn less(&self, layers: usize, motion: &Motion) -> Option<&Core> {
+        let layers = layers.min(LAYERS);
+        let Some(place) = layers.checked_sub(1) else { return Some(&self.whole) };
+        self.smaller[place].get_or_init(|| Core::new(self.shape, motion, SUNK * layers as f32)).as_ref()
     }
 }
 
@@ -152,7 +218,8 @@ enum Other<'a> {
     Convex {
         points: &'a [Vec3],
         radius: f32,
-        reach: f32,
+        /// Largest distance of a point from B's axis of rotation, metres, or more.
+        arm: f32,
         front: Option<Vec3>,
     },
 }
@@ -166,32 +233,31 @@ struct Gap {
 
 struct Course<'a> {
     sweep: &'a Sweep,
-    a: &'a Core,
     /// Inner radius of A, metres.
     inner: f32,
     target: f32,
 }
 
 impl Course<'_> {
-    /// The first impact between `from` and `until`.
-    fn advance(&self, other: &Other, from: f32, until: f32) -> Option<Toi> {
+    /// The first impact of a core of A between `from` and `until`.
+    fn advance(&self, core: &Core, other: &Other, from: f32, until: f32) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
         let approach = a.translation - b.translation;
         let apart = (a.center_at(0.0) - b.center_at(0.0))
             .length()
             .max((a.center_at(1.0) - b.center_at(1.0)).length());
-        let reach_b = match other {
-            Other::HalfSpace { .. } => apart + self.a.reach,
-            Other::Convex { reach, .. } => *reach,
+        let arm_b = match other {
+            Other::HalfSpace { .. } => apart + core.reach,
+            Other::Convex { arm, .. } => *arm,
         };
         // What the places are worth, in single precision.
-        let rounding = 1e-6 * (apart + self.a.reach);
+        let rounding = 1e-6 * (apart + core.reach);
         let target = self.target.max(4.0 * rounding);
         let tolerance = rounding.max(0.05 * target);
         let mut time = from;
         let mut last = None;
         for _ in 0..MAX_STEPS {
-            let Some(gap) = self.gap(other, time) else {
+            let Some(gap) = self.gap(core, other, time) else {
                 // Overlap: possible at the start only, up to rounding.
                 return if time > 0.0 { last } else { self.overlapping(other) };
             };
@@ -208,8 +274,8 @@ impl Course<'_> {
             }
             last = Some(hit);
             let speed = closing
-                + gap.normal.cross(a.rotation).length() * self.a.reach
-                + gap.normal.cross(b.rotation).length() * reach_b;
+                + gap.normal.cross(a.rotation).length() * core.arm
+                + gap.normal.cross(b.rotation).length() * arm_b;
             if speed <= 0.0 {
                 return None;
             }
@@ -228,31 +294,30 @@ impl Course<'_> {
     }
 
     /// Nearest points at a time; none where the shapes overlap.
-    fn gap(&self, other: &Other, time: f32) -> Option<Gap> {
+    fn gap(&self, core: &Core, other: &Other, time: f32) -> Option<Gap> {
         let (a, b) = (self.sweep.a.at(time), self.sweep.b.at(time));
         match other {
             Other::HalfSpace { normal, offset } => {
                 let normal = b.vector(*normal);
                 let height = |p: Vec3| normal.dot(p - b.translation) - offset;
-                let lowest = self
-                    .a
+                let lowest = core
                     .points
                     .iter()
                     .map(|&p| a.point(p))
                     .min_by(|p, q| height(*p).total_cmp(&height(*q)))?;
-                let distance = height(lowest) - self.a.radius;
-                let point = lowest - self.a.radius * normal;
+                let distance = height(lowest) - core.radius;
+                let point = lowest - core.radius * normal;
                 (distance > 0.0).then_some(Gap { distance, normal: -normal, point })
             }
             Other::Convex { points, radius, .. } => {
                 let b_in_a = a.inverse().then_after(&b);
-                let Proximity::Apart(closest) = proximity(&self.a.points, points, &b_in_a, f32::INFINITY)
+                let Proximity::Apart(closest) = proximity(&core.points, points, &b_in_a, f32::INFINITY)
                 else {
                     return None;
                 };
-                let distance = closest.distance - self.a.radius - radius;
+                let distance = closest.distance - core.radius - radius;
                 let normal = a.vector(closest.normal);
-                let point = a.point(closest.on_a) + self.a.radius * normal;
+                let point = a.point(closest.on_a) + core.radius * normal;
                 (distance > 0.0).then_some(Gap { distance, normal, point })
             }
         }
@@ -275,27 +340,27 @@ impl Course<'_> {
     }
 
     /// The first impact with a triangle.
-    fn surface<S: Surface>(&self, surface: &S) -> Option<Toi> {
+    fn surface<S: Surface>(&self, cores: &Cores, surface: &S) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
+        let whole = &cores.whole;
         let length = (a.translation - b.translation).length();
-        let pieces = ((length / (2.0 * self.a.reach)).ceil() as usize).clamp(1, MAX_PIECES);
+        let pieces = ((length / (2.0 * whole.reach)).ceil() as usize).clamp(1, MAX_PIECES);
         let mut best: Option<Toi> = None;
         let mut triangles = Vec::new();
         for piece in 0..pieces {
             let [from, until] = [piece, piece + 1].map(|k| k as f32 / pieces as f32);
             triangles.clear();
-            surface.near(&self.passed(from, until), |triangle| triangles.push(triangle));
+            surface.near(&self.passed(whole, from, until), |triangle| triangles.push(triangle));
             triangles.sort_unstable();
+            let places = [from, 1.0].map(|time| b.at(time).inverse().then_after(&a.at(time)));
             for &triangle in &triangles {
                 let corners = surface.corners(triangle);
                 let front = surface.normal(triangle);
-                if self.passes(&corners, front, from) {
+                if self.passes(whole, &corners, front, from, &places) {
                     continue;
                 }
-                let reach = furthest(&corners, b.center);
-                let other = Other::Convex { points: &corners, radius: 0.0, reach, front: Some(front) };
                 let limit = best.map_or(until, |toi| toi.time);
-                if let Some(toi) = self.advance(&other, from, limit)
+                if let Some(toi) = self.through(cores, &corners, front, from, limit)
                     && best.is_none_or(|first| toi.time < first.time)
                 {
                     best = Some(toi);
@@ -308,26 +373,55 @@ impl Course<'_> {
         None
     }
 
-    /// Whether a triangle needs no look from here on: A is behind it, or hardly sinks into its plane until the end. What slides over a floor, or
-    /// sank a little into it, must not stop at the rim of each next triangle.
-    fn passes(&self, corners: &[Vec3; 3], front: Vec3, from: f32) -> bool {
+    /// When a triangle stops A between two times, if A would go through it.
+    fn through(&self, cores: &Cores, corners: &[Vec3; 3], front: Vec3, from: f32, until: f32) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
-        let heights = |time: f32| {
-            let place = b.at(time).inverse().then_after(&a.at(time));
-            let heights = self.a.points.iter().map(|&p| front.dot(place.point(p) - corners[0]));
+        let arm = furthest(corners, b.center);
+        let other = Other::Convex { points: corners, radius: 0.0, arm, front: Some(front) };
+        let start = self.gap(&cores.whole, &other, 0.0);
+        if start.is_none_or(|gap| gap.distance <= NEAR * self.inner) {
+            // Layers of A that were in the triangle from the start.
+            let mut sunk = 0;
+            while self.gap(cores.less(sunk, a)?, &other, 0.0).is_none() && sunk < LAYERS {
+                sunk += 1;
+            }
+            return self.advance(cores.less(sunk + 1, a)?, &other, from, until);
+        }
+        let touch = self.advance(&cores.whole, &other, from, until)?;
+        self.advance(cores.less(1, a)?, &other, touch.time, 1.0).map(|_| touch)
+    }
+
+    /// Whether a triangle needs no look from here on: A is behind it, or hardly sinks into its plane until the end. `places` are
+    /// those of A, seen from B, at the time `from` and at the end.
+    fn passes(
+        &self,
+        whole: &Core,
+        corners: &[Vec3; 3],
+        front: Vec3,
+        from: f32,
+        places: &[Isometry; 2],
+    ) -> bool {
+        let Sweep { a, b } = self.sweep;
+        let [(low, high), (low_after, _)] = places.map(|place| {
+            let heights = whole.points.iter().map(|&p| front.dot(place.point(p) - corners[0]));
             heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+        });
+        // Between two times a turning point dips below its chord by no more than the sagitta of its arc, seen in the plane
+        // of the arc and of the normal.
+        let dip = if b.rotation == Vec3::ZERO {
+            let tilt = b.start.vector(front).cross(a.rotation).length();
+            0.125 * tilt * a.rotation.length() * whole.arm
+        } else {
+            let turn = a.rotation.length() + b.rotation.length();
+            0.125 * turn * turn * (whole.reach + furthest(corners, b.center))
         };
-        let ((low, high), (low_after, _)) = (heights(from), heights(1.0));
-        // Between two times a turning point dips below its chord by no more than the sagitta of its arc.
-        let turn = (a.rotation.length() + b.rotation.length()) * (1.0 - from);
-        let arm = self.a.reach + furthest(corners, b.center);
-        let dip = 0.125 * turn * turn * arm;
-        high + self.a.radius <= 0.0
-            || low.min(low_after) - dip - self.a.radius > -self.target.max(SUNK * self.inner)
+        let dip = dip * (1.0 - from) * (1.0 - from);
+        high + whole.radius <= 0.0
+            || low.min(low_after) - dip - whole.radius > -self.target.max(SUNK * self.inner)
     }
 
     /// The part of B's frame that A passes through between two times.
-    fn passed(&self, from: f32, until: f32) -> Aabb {
+    fn passed(&self, whole: &Core, from: f32, until: f32) -> Aabb {
         let Sweep { a, b } = self.sweep;
         let ends = [from, until]
             .map(|time| b.at(from).inverse_point(a.center_at(time) - b.translation * (time - from)));
@@ -335,7 +429,6 @@ impl Course<'_> {
         let arm = ends[0].distance(b.center).max(ends[1].distance(b.center));
         let turned = b.rotation.length() * (until - from) * arm;
         let size = ends[0].abs().max(ends[1].abs()).max_element();
-        Aabb::from_points(ends)
-            .grown(self.a.reach + 1.1 * self.target + turned + 1e-5 * (size + self.a.reach))
+        Aabb::from_points(ends).grown(whole.reach + 1.1 * self.target + turned + 1e-5 * (size + whole.reach))
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Reads drift, poses, the tree of static bodies and the manifolds; writes poses. A body that moves further in a step than
 //! contacts can see ahead is taken along its way from the start of the step, and stopped where it first comes near a body
-//! that contacts can't move; its velocity is left to the contact that the next step finds there.
+//! that contacts can't move. What is left of its way it goes along that body, so that nothing that is fast stands still; its
+//! velocity is left to the contact that the next step finds there.
 //!
 //! Where the solver already had a contact with a solid, it has kept the two apart; only a mesh, which may be thin anywhere,
 //! is looked at again. Bodies that move are not stopped at each other: one that is held back within a stream is run into
@@ -13,7 +14,7 @@ use crate::index::Index;
 use crate::touches::Touches;
 use crate::{Kind, Shape};
 use rayon::prelude::*;
-use rockfall_collide::{Motion, Sweep, time_of_impact};
+use rockfall_collide::{Motion, Sweep, Toi, time_of_impact};
 use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
 use rockfall_solve::FIXED;
 use rockfall_solve::line::Role;
@@ -25,6 +26,9 @@ const FAST: f32 = 0.5;
 /// Distance at which a fast body is stopped, as a share of its inner radius: within its reach at rest.
 const STOP: f32 = 0.01;
 
+/// How often in a step a body that was stopped goes on along what stopped it: into the corner of three walls.
+const SLIDES: usize = 3;
+
 /// What stands in the way: the contacts of the step, and the tree.
 #[derive(Clone, Copy)]
 pub(crate) struct Surroundings<'a> {
@@ -35,21 +39,22 @@ pub(crate) struct Surroundings<'a> {
 
 /// Stops fast bodies at what they would pass through.
 pub(crate) fn sweep(bodies: &mut Bodies, around: Surroundings<'_>) {
-    let stopped: Vec<(usize, f32)> = (1..bodies.rows())
+    let stopped: Vec<(usize, Motion)> = (1..bodies.rows())
         .into_par_iter()
         .with_min_len(512)
         .filter_map(|row| {
             let shape = around.shapes.get(bodies.shapes[row] as usize)?;
-            is_fast(bodies, row, shape).then(|| first_impact(bodies, around, row, shape))?
+            is_fast(bodies, row, shape).then(|| Some((row, course(bodies, around, row, shape)?)))?
         })
         .collect();
-    for (row, time) in stopped {
+    for (row, Motion { translation, rotation, .. }) in stopped {
         let drift = &mut bodies.drifts[row];
-        let (way, turn) = (drift.translation(), drift.rotation());
-        bodies.positions[row] -= (way * (1.0 - time)).as_dvec3();
-        let back = rotation::from_rotation_vector(-turn * (1.0 - time));
-        bodies.rotations[row] = rotation::normalize(rotation::compose(back, bodies.rotations[row]));
-        drift.set(way * time, turn * time);
+        let back = rotation::from_rotation_vector(-drift.rotation());
+        let start = rotation::compose(back, bodies.rotations[row]);
+        let turn = rotation::from_rotation_vector(rotation);
+        bodies.positions[row] += (translation - drift.translation()).as_dvec3();
+        bodies.rotations[row] = rotation::normalize(rotation::compose(turn, start));
+        drift.set(translation, rotation);
     }
 }
 
@@ -59,16 +64,40 @@ fn is_fast(bodies: &Bodies, row: usize, shape: &Shape) -> bool {
     bodies.roles[row] == Role::Free && far > FAST * shape.inner_radius()
 }
 
-/// The share of the step after which the body of `row` first comes near an immovable one.
+/// How the body of `row` moves in the step, if something immovable is in its way: up to that, and then along it, without
+/// turning on: that would take its ends further in at each stop.
+fn course(bodies: &Bodies, around: Surroundings<'_>, row: usize, shape: &Shape) -> Option<Motion> {
+    let origin = bodies.positions[row] - bodies.drifts[row].translation().as_dvec3();
+    let whole = motion(bodies, row, origin);
+    let way = |left: &Motion| left.start.point(left.center) - whole.start.point(whole.center);
+    let (first, other) = first_impact(bodies, around, (row, shape), &whole, origin, 0.0)?;
+    let rotation = whole.rotation * first.time;
+    let (mut left, mut gone, mut next) = (whole, 0.0, Some((first, other)));
+    for _ in 0..SLIDES {
+        let Some((hit, other)) = next else { break };
+        left = Motion { rotation: Vec3::ZERO, ..left.after(hit.time) };
+        gone += (1.0 - gone) * hit.time;
+        let into = (left.translation - other * (1.0 - gone)).dot(hit.normal);
+        left.translation -= hit.normal * into.max(0.0);
+        next = first_impact(bodies, around, (row, shape), &left, origin, gone);
+    }
+    let time = next.map_or(1.0, |(hit, _)| hit.time);
+    Some(Motion { translation: way(&left) + left.translation * time, rotation, ..whole })
+}
+
+/// Where a body that has `left` to go meets an immovable one, with the way of that one in the step. `gone` is the share of
+/// the step that has passed.
 fn first_impact(
     bodies: &Bodies,
     around: Surroundings<'_>,
-    row: usize,
-    shape: &Shape,
-) -> Option<(usize, f32)> {
+    (row, shape): (usize, &Shape),
+    left: &Motion,
+    origin: DVec3,
+    gone: f32,
+) -> Option<(Toi, Vec3)> {
     let Surroundings { shapes, trees, touches } = around;
-    let end = bodies.positions[row];
-    let start = end - bodies.drifts[row].translation().as_dvec3();
+    let start = origin + left.start.point(left.center).as_dvec3();
+    let end = start + left.translation.as_dvec3();
     // Boxes date from the start of the step; they have room for slow motion.
     let room = bodies.radii[row] + FAST * shape.inner_radius();
     let area = Aabb::around(start.min(end), start.max(end)).grown(room);
@@ -83,7 +112,6 @@ fn first_impact(
     };
     trees.movers.query(&area, &mut meet);
     trees.fixed.query(&area, &mut meet);
-    let a = motion(bodies, row, start);
     let target = STOP * shape.inner_radius();
     near.into_iter()
         .filter_map(|other| {
@@ -92,11 +120,14 @@ fn first_impact(
             if touches.has_manifold(key) && !matches!(b, Shape::Mesh(_)) {
                 return None;
             }
-            let sweep = Sweep { a, b: motion(bodies, other as usize, start) };
-            Some(time_of_impact(shape, b, &sweep, target)?.time)
+            let motion = motion(bodies, other as usize, origin);
+            let sweep = Sweep { a: *left, b: motion.after(gone) };
+            Some((time_of_impact(shape, b, &sweep, target)?, motion.translation, other))
         })
-        .reduce(f32::min)
-        .map(|time| (row, time))
+        .min_by(|(a, _, m), (b, _, n)| {
+            a.time.total_cmp(&b.time).then_with(|| bodies.ids[*m as usize].cmp(&bodies.ids[*n as usize]))
+        })
+        .map(|(hit, way, _)| (hit, way))
 }
 
 /// How the body of a row moved in this step, seen from `origin`.
