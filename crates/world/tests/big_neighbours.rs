@@ -3,8 +3,8 @@
 mod common;
 
 use common::{G, Stage, at, frames, rubs};
-use rockfall::math::{DVec3, Vec3};
-use rockfall::{Body, BodyId, Settings};
+use rockfall::math::{DVec3, Pose, Vec3};
+use rockfall::{Body, BodyId, Settings, Shape};
 
 /// Balls so many along x and y, 0.25 m apart, on the ground, of radius 0.1 m less what `smaller` says, or none; 0.2 m above the ground a slab
 /// that covers them.
@@ -109,4 +109,41 @@ fn a_body_is_split_and_made_whole_again() {
     stage.steps(120);
     assert!(stage.all_finite());
     assert_eq!(stage.world.report().split, 1, "the slab has come down again");
+}
+
+/// Promise: balls of sizes 1 : 100, poured into a box, come together as well as equal ones: everybody stays in the box, the largest has
+/// hundreds of neighbours and is split, no contact is left to one thread, and overlaps are a few percent of the smallest ball on the average.
+#[test]
+fn sizes_of_one_to_a_hundred_are_poured() {
+    let mut stage = Stage::on_ground(frames(), rubs(0.5, 0.0));
+    for (normal, offset) in [(Vec3::X, -1.5), (Vec3::NEG_X, -1.5), (Vec3::Y, -1.5), (Vec3::NEG_Y, -1.5)] {
+        let wall = stage.shape(Shape::HalfSpace { normal, offset });
+        stage.put(Body::fixed(wall, stage.material, Pose::default()));
+    }
+    let mut balls = Vec::new();
+    // Layers of one size each, the largest lowest; so many balls that each layer holds a like volume.
+    let mut z = 0.0;
+    for (radius, n) in [(1.0_f32, 1), (0.1, 12), (0.03, 40), (0.01, 60)] {
+        let ball = stage.ball(radius);
+        let pitch = 2.9 / n as f64;
+        z += f64::from(radius);
+        for i in 0..n * n {
+            let place = |i: i32| pitch * (f64::from(i) - 0.5 * f64::from(n - 1));
+            balls.push(stage.put(stage.body(ball, at(place(i % n), place(i / n), z))));
+        }
+        z += 1.2 * f64::from(radius);
+    }
+    let (mut split, mut serial) = (0, 0);
+    for _ in 0..240 {
+        let report = stage.world.step();
+        (split, serial) = (split.max(report.split), serial.max(report.serial));
+    }
+    let report = stage.world.report();
+    println!("{report:?}");
+    assert!(split > 0 && serial == 0 && stage.all_finite());
+    for ball in balls {
+        let p = stage.position(ball);
+        assert!(p.z > 0.0 && p.x.abs() < 1.5 && p.y.abs() < 1.5, "{p}");
+    }
+    assert!(report.mean_penetration < 5e-4, "{}", report.mean_penetration);
 }
