@@ -5,7 +5,7 @@
 //! down by the way that the body goes, so that bodies that hardly move need not be measured.
 
 use crate::bodies::{Bodies, State};
-use crate::recall::{count_below, count_of, way};
+use crate::recall::{CREEP, count_below, count_of, way};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
@@ -61,7 +61,8 @@ pub(crate) fn bound(
                 line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
             }
             let radius = if bodies.is_ball(row, shapes) { 0.0 } else { bodies.radii[row] };
-            let way = way(&bodies.drifts[row], radius);
+            let creep = if *role == Role::Free { CREEP } else { 0 };
+            let way = way(&bodies.drifts[row], radius).saturating_add(creep);
             *gone = gone.wrapping_add(way);
             let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if !all && *role == Role::Still {

@@ -12,15 +12,19 @@ use rockfall_solve::Drift;
 /// Share of the smaller inner radius by which two bodies may move while their manifold only follows them.
 const LOOSE: f32 = 5e-3;
 
-/// The same for two balls, whose contact follows exactly but for rounding. Sums of motions too small for single precision may lose as much
-/// of the way between the centres.
-const LOOSE_BALLS: f32 = 2e-2;
+/// The same for two balls, whose contact follows exactly but for rounding. While it is not looked at it stays, also where the balls have
+/// parted: up to a gap of as much.
+const LOOSE_BALLS: f32 = 0.2;
 
 /// Counts of a metre: way is counted in nanometres, modulo 2³². No step adds more than [`LEAP`] to a count and no mark is
 /// further ahead than [`AHEAD`], so that a difference of counts is never mistaken.
 const METRE: f32 = 1e9;
 const LEAP: f32 = 0.7e9;
 const AHEAD: f32 = 0.5e9;
+
+/// What a step adds to the count of a body that moves at all freely, 1 µm, however little it moves. A contact that follows loses motions too
+/// small for single precision, up to 3e-8 of the way between the centres in a step; so each is looked at again in time.
+pub(crate) const CREEP: u32 = 1000;
 
 /// The count of a body that was put somewhere else is moved on by so much: past every mark.
 pub(crate) const ELSEWHERE: u32 = LEAP as u32;
