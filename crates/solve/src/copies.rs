@@ -10,9 +10,11 @@
 //! Equal shares would make a contact as soft as if all the others pressed as hard, also where a slab lies on three of its
 //! thousand stones. So shares follow the contacts that press, counted anew in every step.
 //!
-//! |              copies of one body: row `first + i` for i < `count`              |
-//! |-------------------------------------------------------------------------------|
-//! | bodies 0 .. n | copies of the first split body | copies of the second | ...   |
+//! | rows | of |
+//! |---|---|
+//! | 0 .. n | bodies |
+//! | n .. n + k₁ | the copies of the first body that is split |
+//! | n + k₁ .. n + k₁ + k₂ | of the second, and so on |
 
 use crate::block::{Block, LANES};
 use crate::contacts::Contacts;
