@@ -38,7 +38,7 @@ pub struct Block<const P: usize, const T: usize> {
     /// Accumulated normal impulses, N s.
     pub impulses: [Column; P],
     /// Inverse of the 2 × 2 matrix of the tangents at the middle of the points: 11, 12, 22, kg. Something else for two balls: see
-    /// [`crate::balls`].
+    /// `balls.rs`.
     pub tangent_mass: [Column; 3],
     /// Accumulated friction impulse along the two tangents, N s.
     pub tangent_impulse: [Column; 2],

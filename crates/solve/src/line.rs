@@ -95,7 +95,7 @@ pub enum Role {
 }
 
 /// The columns of the bodies that a solver reads and writes, all of one length; row 0 is the world. In a sweep the first two are
-/// longer: see [`crate::copies`].
+/// longer: see `copies.rs`.
 #[derive(Debug)]
 pub struct Columns<'a> {
     /// Velocities and inverse masses.

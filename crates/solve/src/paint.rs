@@ -7,7 +7,7 @@
 //! SIAM J. Sci. Comput. 14(3), 1993). Which colours come out depends on the keys of the pairs alone.
 //!
 //! A body with more neighbours than colours leaves some of its contacts in the colour [`OVERFLOW`]. That is the sign for splitting it
-//! ([`crate::copies`]), after which they find colours. What is left even then is solved one after the other, in the order of the
+//! (`copies.rs`), after which they find colours. What is left even then is solved one after the other, in the order of the
 //! rows. None is dropped.
 
 use crate::manifold::{FIXED, NO_COLOR};
