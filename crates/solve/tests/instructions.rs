@@ -27,22 +27,22 @@ const SWEEPS: usize = 4;
 /// A kernel, lanes, and instructions per contact and sweep as they were counted with Rust 1.95: of the development
 /// profile, of the release profile.
 const COUNTED: [(&str, usize, [f64; 2]); 16] = [
-    ("warm_balls", 4, [707.7, 132.0]),
-    ("solve_balls", 4, [958.8, 192.4]),
-    ("relax_balls", 4, [958.8, 182.0]),
-    ("follow_balls", 4, [341.4, 82.1]),
-    ("warm_boxes", 4, [1028.4, 556.4]),
-    ("solve_boxes", 4, [1272.2, 491.8]),
-    ("relax_boxes", 4, [1272.2, 453.9]),
-    ("follow_boxes", 4, [498.1, 183.1]),
-    ("warm_balls", 8, [446.7, 91.1]),
-    ("solve_balls", 8, [509.4, 125.7]),
-    ("relax_balls", 8, [509.4, 123.0]),
-    ("follow_balls", 8, [158.8, 45.5]),
-    ("warm_boxes", 8, [569.2, 326.2]),
-    ("solve_boxes", 8, [628.6, 248.7]),
-    ("relax_boxes", 8, [628.6, 243.8]),
-    ("follow_boxes", 8, [247.3, 95.3]),
+    ("warm_balls", 4, [633.7, 132.0]),
+    ("solve_balls", 4, [901.5, 192.4]),
+    ("relax_balls", 4, [878.1, 182.0]),
+    ("follow_balls", 4, [351.7, 82.1]),
+    ("warm_boxes", 4, [1045.5, 556.4]),
+    ("solve_boxes", 4, [1282.2, 491.8]),
+    ("relax_boxes", 4, [1198.3, 453.9]),
+    ("follow_boxes", 4, [504.1, 183.1]),
+    ("warm_balls", 8, [352.2, 91.1]),
+    ("solve_balls", 8, [484.8, 125.7]),
+    ("relax_balls", 8, [481.1, 123.0]),
+    ("follow_balls", 8, [165.7, 45.5]),
+    ("warm_boxes", 8, [581.7, 326.2]),
+    ("solve_boxes", 8, [642.2, 248.7]),
+    ("relax_boxes", 8, [613.5, 243.8]),
+    ("follow_boxes", 8, [254.8, 95.3]),
 ];
 
 /// What a compiler or a small change may add.
