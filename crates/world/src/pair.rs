@@ -12,8 +12,11 @@ use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use rockfall_solve::{FIXED, row_of};
 
-/// Rows that one thread searches at a time, at least: few pieces are given back to the system whole, many share better.
+/// Rows that one thread searches at a time, at least.
 const ROWS: usize = 256;
+
+/// Pieces into which the rows of a large world are cut: enough to share, and what each finds is so much that the allocator gives its room
+/// back to the system.
 const PIECES: usize = 256;
 
 /// A body so many times as large as others are on the average may have more neighbours than one thread should look for.
@@ -58,15 +61,18 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
     touches.balance();
 }
 
-/// Results don't depend on it.
+/// Rows in a piece. Results don't depend on it.
 fn rows_at_once(rows: usize) -> usize {
     (rows / PIECES).max(ROWS)
 }
 
+/// Mean radius of the bodies that move, infinite planes aside, metres.
 fn mean_radius(bodies: &Bodies) -> f32 {
-    let movers = (0..bodies.rows()).into_par_iter().with_min_len(4096).filter(|&row| bodies.is_mover(row));
+    let counts = |row: &usize| bodies.is_mover(*row) && bodies.radii[*row].is_finite();
+    let movers = (0..bodies.rows()).into_par_iter().with_min_len(4096).filter(counts);
     // Whole micrometres, so that the sum does not depend on the threads.
-    let sum = |(sum, count): (u64, u64), row: usize| (sum + (1e6 * bodies.radii[row]) as u64, count + 1);
+    let micrometres = |row: usize| (1e6 * bodies.radii[row]) as u64;
+    let sum = |(sum, count): (u64, u64), row: usize| (sum.saturating_add(micrometres(row)), count + 1);
     let (sum, count) = movers
         .fold(|| (0, 0), sum)
         .reduce(|| (0, 0), |(sum, n), (more, m)| (sum.saturating_add(more), n + m));
