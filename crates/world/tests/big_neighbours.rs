@@ -4,7 +4,7 @@ mod common;
 
 use common::{G, Stage, at, frames, rubs};
 use rockfall::math::{DVec3, Pose, Vec3};
-use rockfall::{Body, BodyId, Settings, Shape};
+use rockfall::{Body, BodyId, Kind, Settings, Shape};
 
 /// Balls so many along x and y, 0.25 m apart, on the ground, of radius 0.1 m less what `smaller` says, or none; 0.2 m above the ground a slab
 /// that covers them.
@@ -146,4 +146,19 @@ fn sizes_of_one_to_a_hundred_are_poured() {
         assert!(p.z > 0.0 && p.x.abs() < 1.5 && p.y.abs() < 1.5, "{p}");
     }
     assert!(report.mean_penetration < 5e-4, "{}", report.mean_penetration);
+}
+
+/// Promise: a plane that moves, whose size is infinite, carries what lies on it.
+#[test]
+fn a_plane_that_moves_carries() {
+    let mut stage = Stage::new(frames(), rubs(0.6, 0.0));
+    let plane = stage.shape(Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 });
+    let velocity = Vec3::new(0.0, 0.0, 0.5);
+    let still = Body::fixed(plane, stage.material, Pose::default());
+    stage.put(Body { kind: Kind::Kinematic, velocity, ..still });
+    let ball = stage.ball(0.1);
+    let ball = stage.put(stage.body(ball, at(0.0, 0.0, 0.1)));
+    stage.steps(60);
+    let z = stage.position(ball).z;
+    assert!((z - 0.6).abs() < 1e-2, "{z}");
 }
