@@ -3,6 +3,10 @@
 use core::cell::UnsafeCell;
 use core::marker::PhantomData;
 
+/// Bytes of a cache line.
+#[cfg(target_arch = "x86_64")]
+const LINE: usize = 64;
+
 /// A slice whose rows several threads read and write at once, under the promise that no row that one of them writes is
 /// touched by another. Colours of the solver keep that promise: no body stands twice in a colour.
 #[derive(Debug)]
@@ -83,6 +87,23 @@ impl<'a, T> DisjointRows<'a, T> {
     pub fn has(&self, rows: &[u32]) {
         let last = rows.iter().fold(0, |last, &row| if row > last { row } else { last });
         assert!((last as usize) < self.len);
+    }
+
+    /// Asks the processor to bring a row to the nearest cache, since it is needed soon. Does nothing where there is no such row, and where the
+    /// processor is not an x86.
+    #[inline(always)]
+    pub fn fetch(&self, i: usize) {
+        #[cfg(target_arch = "x86_64")]
+        if i < self.len {
+            let lines = size_of::<T>().div_ceil(LINE);
+            for line in 0..lines {
+                // SAFETY: `i` is in bounds; the instruction reads nothing that a program could see, whatever other threads write.
+                unsafe {
+                    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+                    _mm_prefetch::<_MM_HINT_T0>(self.rows.add(i).cast::<i8>().add(line * LINE));
+                }
+            }
+        }
     }
 
     /// A row to write to.

@@ -160,14 +160,13 @@ mod tests {
     use crate::advance::Stay;
     use crate::desk::Found;
     use crate::iterate::{relax, solve};
-    use crate::line::{Columns, Drift, Line, Role};
+    use crate::line::{Bodies, Line};
     use crate::manifold::{FIXED, Manifold, Memory};
-    use crate::shelf::Lane;
     use crate::single::Surface;
     use crate::soft::Softness;
     use crate::warm::warm;
     use rockfall_math::lanes::Width;
-    use rockfall_math::{Mat3, Quat, Vec3};
+    use rockfall_math::{Mat3, Vec3};
 
     /// Velocities and impulses after a warm start and two sweeps over one contact, as a contact of balls or as any other.
     fn swept(balls: bool, fixed: bool, distance: f32, width: Width) -> (Vec<Line>, Memory) {
@@ -180,32 +179,20 @@ mod tests {
         let memory = Memory { color: 0, normals: [0.7, 0.0, 0.0, 0.0], friction, ..Memory::default() };
         let surface = Surface { friction: 0.5, ..Surface::default() };
         let offset = normal * (radius_a + radius_b + distance);
-        let found =
-            Found { manifold, memory, surface, offset, active: true, ordinal: 0, balls, lane: Lane::NONE };
+        let found = Found { manifold, memory, surface, offset, active: true, balls, ..Found::default() };
         let mut contacts = Contacts::default();
         contacts.desk(3);
         let mut arrivals = vec![vec![found]];
         contacts.place(&mut arrivals);
-        let mut lines = vec![Line::default(); 3];
-        for (line, mass) in lines[1..].iter_mut().zip([2.0_f32, 5.0]) {
+        let mut bodies = Bodies::new(3);
+        for (line, mass) in bodies.lines[1..].iter_mut().zip([2.0_f32, 5.0]) {
             line.set_velocities(Vec3::new(0.3, mass, -0.7), Vec3::new(mass, -1.0, 0.5));
             line.motion[6] = 1.0 / mass;
             line.set_inverse_inertia(&Mat3::from_diagonal(Vec3::splat(7.0 / mass)));
         }
-        let mut drifts = vec![Drift::default(); 3];
-        drifts[1].set(Vec3::new(1e-3, -2e-3, 3e-3), Vec3::new(0.01, 0.02, 0.03));
-        contacts.prepare(&lines);
-        let mut columns = Columns {
-            lines: &mut lines,
-            drifts: &mut drifts,
-            references: &mut [[0.0; 8]; 3],
-            rotations: &mut [Quat::IDENTITY; 3],
-            frames: &[Quat::IDENTITY; 3],
-            inverse_moments: &[Vec3::ONE; 3],
-            dampings: &[[0.0; 2]; 3],
-            roles: &[Role::Free; 3],
-            locks: &[0; 3],
-        };
+        bodies.drifts[1].set(Vec3::new(1e-3, -2e-3, 3e-3), Vec3::new(0.01, 0.02, 0.03));
+        contacts.prepare(&bodies.lines);
+        let mut columns = bodies.columns();
         let h = 1.0 / 240.0;
         let soft = Softness::new(60.0, 0.5, h);
         let step = SubStep { h, push_speed: 3.0, two_sided: soft, one_sided: soft };
@@ -213,7 +200,7 @@ mod tests {
         solve(&mut contacts, &mut columns, width, &Stay, &step);
         relax(&mut contacts, &mut columns, width, &Stay, &step);
         let memory = contacts.read(arrivals[0][0].lane).1;
-        (lines, memory)
+        (bodies.lines, memory)
     }
 
     /// The same impulses and velocities as by the equations of any contact, where bodies overlap and where they don't touch yet.

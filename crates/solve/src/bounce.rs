@@ -11,12 +11,12 @@
 //! whatever the step and wherever in it the ball hits.
 
 use crate::advance::Stay;
-use crate::block::{Block, Cold, load, load3, store};
+use crate::block::{Block, load, load3, store};
 use crate::contacts::Contacts;
 use crate::iterate::rub;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::sweep::{BodyLanes, Rows, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
@@ -52,7 +52,7 @@ impl Visit for Bounce {
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        cold: Option<&mut Cold>,
+        Beside { cold, .. }: Beside<'_>,
         k: usize,
         &Span { one_sided, .. }: &Span,
     ) {

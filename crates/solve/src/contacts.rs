@@ -7,16 +7,18 @@
 
 use crate::block::{Cold, LANES};
 use crate::copies::Copies;
-use crate::desk::{Desk, Found, place_of};
+use crate::desk::{Desk, Found};
 use crate::line::Line;
-use crate::manifold::{FIXED, Manifold, Memory, NO_COLOR};
+use crate::manifold::{Manifold, Memory, NO_COLOR};
 use crate::paint::{Blank, OVERFLOW, Painter};
 use crate::plan::Plan;
-use crate::shelf::{CLASSES, Class, Cut, HOT, Key, Lane, Shelf, TILE};
+use crate::shelf::{Class, Cut, HOT, Key, Lane, Shelf, TILE};
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// One idle lane in so many is too much.
+const SPARSE: usize = 12;
 
 /// The blocks of a key.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +26,7 @@ pub(crate) struct Bucket {
     /// Numbers of its blocks within their class, ascending.
     pub(crate) blocks: Vec<u32>,
     /// Lanes without a contact; the last is taken first.
-    free: Vec<u32>,
+    pub(crate) free: Vec<u32>,
 }
 
 /// All contacts.
@@ -38,24 +40,13 @@ pub struct Contacts {
     pub(crate) buckets: BTreeMap<Key, Bucket>,
     pub(crate) plan: Plan,
     pub(crate) copies: Copies,
-    painter: Painter,
+    pub(crate) painter: Painter,
     /// Whether rows are cut into tiles.
-    tiled: bool,
+    pub(crate) tiled: bool,
     /// Whether a contact that came in this step found no colour.
     crowded: bool,
     /// Whether blocks have come since the plan was made.
-    grown: bool,
-}
-
-/// A contact when all are sorted: its place, and its two rows, the second marked where contacts can't move it.
-#[derive(Clone, Copy, Debug)]
-pub struct Entry {
-    /// Where it is.
-    pub lane: Lane,
-    /// New row of body a.
-    pub a: u32,
-    /// New row of body b, with its mark.
-    pub b: u32,
+    pub(crate) grown: bool,
 }
 
 impl Contacts {
@@ -94,7 +85,7 @@ impl Contacts {
         self.copies.len()
     }
 
-    fn cut(&self) -> Cut {
+    pub(crate) fn cut(&self) -> Cut {
         Cut { tiled: self.tiled, bodies: self.copies.first() }
     }
 
@@ -130,7 +121,7 @@ impl Contacts {
         }
     }
 
-    fn keys(&self, class: Class) -> &[Key] {
+    pub(crate) fn keys(&self, class: Class) -> &[Key] {
         match class {
             Class::Ball => &self.ball.keys,
             Class::One => &self.one.keys,
@@ -167,6 +158,15 @@ impl Contacts {
         let colors = self.painter.paint(&blanks);
         self.crowded = colors.par_iter().any(|&color| color == OVERFLOW);
         found.into_par_iter().zip(colors).for_each(|(arrival, color)| arrival.memory.color = color);
+    }
+
+    /// Whether so many lanes are idle, since contacts have ended, that sorting all contacts into new blocks is worth it.
+    pub fn is_sparse(&self) -> bool {
+        let idle: usize = self.buckets.values().map(|bucket| bucket.free.len()).sum();
+        let blocks: usize = self.buckets.values().map(|bucket| bucket.blocks.len()).sum();
+        // Half a block of every key stays idle anyway.
+        let spare = idle.saturating_sub(self.buckets.len() * LANES / 2);
+        spare * SPARSE > blocks * LANES
     }
 
     /// Whether contacts came in this step that found no colour, so that [`Contacts::split`] may help.
@@ -233,143 +233,4 @@ impl Contacts {
         self.weigh();
         self.refresh(lines);
     }
-
-    /// Sorts all contacts of a world, whose rows have changed, into new blocks: within a bucket in the order of `entries`. Contacts that
-    /// are not among these are gone. `tiled` says whether rows are cut into tiles from now on, `rows` is their number, and `new_rows`
-    /// tells what became of each old one, `u32::MAX` where it is gone. Returns the new places.
-    pub fn sort(&mut self, entries: Vec<Entry>, tiled: bool, rows: usize, new_rows: &[u32]) -> Vec<Lane> {
-        let next = self.copies.next(&degrees(&entries, rows), |row| new_rows[row as usize]);
-        self.tiled = tiled;
-        self.arrange(entries, next)
-    }
-
-    /// Splits the bodies that have more contacts than there are colours. Nothing if they are split already; otherwise the
-    /// new places of all contacts, `entries`.
-    pub fn split(&mut self, entries: Vec<Entry>) -> Option<Vec<Lane>> {
-        let bodies = self.copies.first() as usize;
-        let next = self.copies.next(&degrees(&entries, bodies), |row| row);
-        (!next.is_like(&self.copies)).then(|| self.arrange(entries, next))
-    }
-
-    /// Puts all contacts into new blocks, with the rows that they have among `copies`.
-    fn arrange(&mut self, mut entries: Vec<Entry>, copies: Copies) -> Vec<Lane> {
-        let from = std::mem::replace(&mut self.copies, copies);
-        let painted = self.repaint(&mut entries, &from);
-        let cut = self.cut();
-        self.buckets.clear();
-        let mut lanes = vec![Lane::NONE; entries.len()];
-        let mut old = std::mem::take(&mut self.colds);
-        let mut colds = 0;
-        for class in CLASSES {
-            let places = self.places(class, &entries, &painted);
-            let keys: Vec<Key> = places
-                .chunk_by(|a, b| a.0 == b.0)
-                .flat_map(|group| vec![group[0].0; group.len().div_ceil(LANES)])
-                .collect();
-            let mut next = 0;
-            for group in places.chunk_by(|a, b| a.0 == b.0) {
-                let (key, first) = (group[0].0, next);
-                next += group.len().next_multiple_of(LANES) as u32;
-                for (&(_, i), index) in group.iter().zip(first..) {
-                    lanes[i as usize] = key.lane(index as usize);
-                }
-                let blocks = first / LANES as u32..next / LANES as u32;
-                let free = (first + group.len() as u32..next).rev().collect();
-                self.buckets.insert(key, Bucket { blocks: blocks.collect(), free });
-            }
-            // One class at a time is there twice.
-            let mut fresh = Contacts::default();
-            match class {
-                Class::Ball => fresh.ball = Shelf::idle(keys, &mut colds),
-                Class::One => fresh.one = Shelf::idle(keys, &mut colds),
-                Class::Two => fresh.two = Shelf::idle(keys, &mut colds),
-                Class::Four => fresh.four = Shelf::idle(keys, &mut colds),
-            }
-            self.colds.resize(colds as usize, Cold::IDLE);
-            let Contacts { ball, one, two, four, painter, .. } = self;
-            let from = Desk::new((ball, one, two, four), &mut old, painter, cut);
-            let Contacts { ball, one, two, four, .. } = &mut fresh;
-            let to = Desk::new((ball, one, two, four), &mut self.colds, painter, cut);
-            places.par_iter().with_min_len(256).for_each(|&(_, i)| {
-                let Entry { lane, a, b } = entries[i as usize];
-                from.copy(lane, &to, lanes[i as usize], [a, b & !FIXED]);
-            });
-            match class {
-                Class::Ball => self.ball = fresh.ball,
-                Class::One => self.one = fresh.one,
-                Class::Two => self.two = fresh.two,
-                Class::Four => self.four = fresh.four,
-            }
-        }
-        self.plan = Plan::new(self);
-        self.grown = false;
-        lanes
-    }
-
-    /// Gives each contact the rows of copies where bodies are split now, `from` being the copies until now. Takes the colours
-    /// of those that keep theirs, and gives others to the rest: these, by their place among `entries`, are returned.
-    fn repaint(&mut self, entries: &mut [Entry], from: &Copies) -> Vec<(u32, u32)> {
-        self.painter.clear(self.copies.rows());
-        let Contacts { copies, painter, .. } = &*self;
-        let blank: Vec<u32> = entries
-            .par_iter_mut()
-            .enumerate()
-            .filter_map(|(i, entry)| {
-                let color = self.keys(entry.lane.class())[entry.lane.block()].color();
-                let old = self.rows_at(entry.lane);
-                let same;
-                (entry.a, entry.b, same) = copies.keep((entry.a, entry.b), from, old, i as u64);
-                if same && color < OVERFLOW {
-                    painter.take(color, entry.a, (entry.b & FIXED == 0).then_some(entry.b));
-                    return None;
-                }
-                Some(i as u32)
-            })
-            .collect();
-        let of = |&i: &u32| Blank::new(entries[i as usize].a, entries[i as usize].b, i);
-        let blanks: Vec<Blank> = blank.par_iter().map(of).collect();
-        blank.into_iter().zip(painter.paint(&blanks)).collect()
-    }
-
-    fn rows_at(&self, at: Lane) -> (u32, u32) {
-        let (block, lane) = (at.block(), at.lane());
-        match at.class() {
-            Class::Ball => self.ball.rows(block, lane),
-            Class::One => self.one.rows(block, lane),
-            Class::Two => self.two.rows(block, lane),
-            Class::Four => self.four.rows(block, lane),
-        }
-    }
-
-    /// The entries of a class with their new keys, in order; `painted` has the colours of those that lost theirs.
-    fn places(&self, class: Class, entries: &[Entry], painted: &[(u32, u32)]) -> Vec<(Key, u32)> {
-        let (keys, cut) = (self.keys(class), self.cut());
-        let painted = |i: u32| painted.binary_search_by_key(&i, |&(i, _)| i).map(|at| painted[at].1);
-        let mut places: Vec<(Key, u32)> = (entries, 0..entries.len() as u32)
-            .into_par_iter()
-            .filter(|(entry, _)| entry.lane.class() == class)
-            .map(|(&Entry { lane, a, b }, i)| {
-                let old = keys[lane.block()];
-                let color = painted(i).unwrap_or(old.color());
-                let manifold = Manifold { a, b, ..Manifold::default() };
-                let (phase, tile) = place_of(&manifold, color, !old.is_parked(), cut);
-                (Key::new(phase, tile, color, class, old.is_cold()), i)
-            })
-            .collect();
-        places.par_sort_unstable();
-        places
-    }
-}
-
-/// Contacts of each of so many bodies: with bodies that contacts move, and with others.
-fn degrees(entries: &[Entry], rows: usize) -> Vec<[u32; 2]> {
-    let counts: Vec<[AtomicU32; 2]> = (0..rows).into_par_iter().map(|_| Default::default()).collect();
-    entries.par_iter().with_min_len(4096).for_each(|&Entry { a, b, .. }| {
-        let side = usize::from(b & FIXED != 0);
-        counts[a as usize][side].fetch_add(1, Relaxed);
-        if side == 0 {
-            counts[b as usize][side].fetch_add(1, Relaxed);
-        }
-    });
-    counts.into_par_iter().map(|count| count.map(AtomicU32::into_inner)).collect()
 }

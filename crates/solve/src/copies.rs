@@ -330,7 +330,8 @@ fn count<const P: usize, const T: usize>(block: &Block<P, T>, first: u32, counts
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockfall_math::{Mat3, Quat, Vec3};
+    use crate::line::Bodies;
+    use rockfall_math::{Mat3, Vec3};
 
     #[test]
     fn bodies_are_split_late_and_made_whole_later() {
@@ -377,18 +378,9 @@ mod tests {
         copies.shares = (1..=count).map(|i| i as f32 / total as f32).collect();
         let mut line = Line { motion: [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.5, 1.0], ..Line::default() };
         line.set_inverse_inertia(&Mat3::from_diagonal(Vec3::splat(0.25)));
-        let (mut lines, mut drifts) = (vec![line; 3], vec![Drift::default(); 3]);
-        let mut columns = Columns {
-            lines: &mut lines,
-            drifts: &mut drifts,
-            references: &mut [[0.0; 8]; 3],
-            rotations: &mut [Quat::IDENTITY; 3],
-            frames: &[Quat::IDENTITY; 3],
-            inverse_moments: &[Vec3::ONE; 3],
-            dampings: &[[0.0; 2]; 3],
-            roles: &[crate::line::Role::Free; 3],
-            locks: &[0; 3],
-        };
+        let mut bodies = Bodies::new(3);
+        bodies.lines.fill(line);
+        let mut columns = bodies.columns();
         copies.part(&mut columns);
         let mut given = 0.0;
         for (i, copy) in columns.lines[3..].iter_mut().enumerate() {
@@ -398,6 +390,7 @@ mod tests {
             copy.motion[3] += impulse * copy.inertia[0];
         }
         copies.unite(&mut columns);
+        let Bodies { lines, drifts, .. } = bodies;
         assert_eq!((lines.len(), drifts.len()), (3, 3));
         assert!((lines[1].motion[0] - (1.0 + given * 0.5)).abs() < 1e-5);
         assert!((lines[1].motion[3] - (4.0 + given * 0.25)).abs() < 1e-5);

@@ -1,18 +1,28 @@
 //! Contacts read and written one by one, by many threads at once.
 //!
-//! Threads that bring manifolds up to date have lanes of their own, but these lie between one another's. So words are read
-//! and written as atomics, in no order: that costs nothing, and a mistake would give a wrong contact, not undefined behaviour.
+//! Threads that bring manifolds up to date have lanes of their own, but these lie between one another's; hence `words.rs`.
 
-use crate::block::{Cold, LANES};
+use crate::block::Cold;
 use crate::manifold::{Manifold, Memory, row_of};
 use crate::paint::{OVERFLOW, Painter};
 use crate::shelf::{Class, Cut, HOT, Key, Lane, Phase, Shelf, TILE};
 use crate::single::{ColdSingle, Single, Surface};
+use crate::words::Words;
 use rockfall_math::Vec3;
-use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use std::sync::atomic::Ordering::Relaxed;
+
+/// How far the bodies of a contact may go relative to each other while it only follows them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Leash {
+    /// Way, metres.
+    pub length: f32,
+    /// Distance from the contact within which the two surfaces may come near each other, metres: a turn of one body against the
+    /// other counts as a way of so many times its angle. Two balls may turn as they like.
+    pub lever: f32,
+}
 
 /// A contact that was found.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Found {
     /// What was found; where it has a colour, with the rows of [`Desk::read`].
     pub manifold: Manifold,
@@ -28,6 +38,8 @@ pub struct Found {
     pub ordinal: u32,
     /// Whether both bodies are balls about their centres of mass.
     pub balls: bool,
+    /// For how long it may follow its bodies.
+    pub leash: Leash,
     /// Where it is; [`Lane::NONE`] until it has a place.
     pub lane: Lane,
 }
@@ -58,45 +70,20 @@ pub(crate) fn place_of(m: &Manifold, color: u32, active: bool, cut: Cut) -> (Pha
     }
 }
 
-/// Lane l of a row, word by word.
-type Row = [[AtomicU32; LANES]];
-
-/// A table of blocks as words: of each row `width` times [`LANES`].
-struct Words<'a> {
-    words: &'a Row,
-    /// Words of a lane.
-    width: usize,
-}
-
-impl<'a> Words<'a> {
-    /// `table` has rows of columns of [`LANES`] numbers of 32 bits, and nothing else.
-    fn new<B: Copy + 'a>(table: &'a mut [B]) -> Self {
-        const { assert!(size_of::<B>().is_multiple_of(size_of::<[u32; LANES]>())) };
-        let width = size_of::<B>() / size_of::<[u32; LANES]>();
-        let len = table.len() * width;
-        // SAFETY: an exclusive borrow of plain numbers of 32 bits, as many as `len` columns have, becomes a shared one of atomics of
-        // the same size and alignment, for as long.
-        let words = unsafe { std::slice::from_raw_parts(table.as_mut_ptr().cast(), len) };
-        Words { words, width }
-    }
-
-    fn row(&self, block: usize) -> &Row {
-        &self.words[block * self.width..(block + 1) * self.width]
-    }
-}
-
 /// A shelf, open for many threads.
 struct Open<'a, const P: usize, const T: usize> {
     blocks: Words<'a>,
     names: Words<'a>,
+    slacks: Words<'a>,
     keys: &'a [Key],
     colds: &'a [u32],
 }
 
 impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
     fn new(shelf: &'a mut Shelf<P, T>) -> Self {
-        let Shelf { blocks, names, keys, colds } = shelf;
-        Open { blocks: Words::new(blocks), names: Words::new(names), keys, colds }
+        let Shelf { blocks, names, slacks, keys, colds } = shelf;
+        let (blocks, names, slacks) = (Words::new(blocks), Words::new(names), Words::new(slacks));
+        Open { blocks, names, slacks, keys, colds }
     }
 
     fn get(&self, at: Lane) -> Single<P, T> {
@@ -120,6 +107,15 @@ impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
         let names = features[..P].iter().chain([&count]);
         let row = self.names.row(at.block());
         row.iter().zip(names).for_each(|(word, &x)| word[at.lane()].store(x, Relaxed));
+    }
+
+    fn put_leash(&self, at: Lane, Leash { length, lever }: Leash) {
+        let row = self.slacks.row(at.block());
+        row.iter().zip([length, lever]).for_each(|(word, x)| word[at.lane()].store(x.to_bits(), Relaxed));
+    }
+
+    fn may_follow(&self, at: Lane) -> bool {
+        f32::from_bits(self.slacks.row(at.block())[0][at.lane()].load(Relaxed)) > 0.0
     }
 }
 
@@ -195,6 +191,26 @@ impl<'a> Desk<'a> {
         (manifold, memory)
     }
 
+    /// Whether a contact that takes part has only to follow its bodies still.
+    pub fn may_follow(&self, at: Lane) -> bool {
+        match at.class() {
+            Class::Ball => self.ball.may_follow(at),
+            Class::One => self.one.may_follow(at),
+            Class::Two => self.two.may_follow(at),
+            Class::Four => self.four.may_follow(at),
+        }
+    }
+
+    /// Has a contact found anew, since one of its bodies was put somewhere else.
+    pub fn unleash(&self, at: Lane) {
+        match at.class() {
+            Class::Ball => self.ball.put_leash(at, Leash::default()),
+            Class::One => self.one.put_leash(at, Leash::default()),
+            Class::Two => self.two.put_leash(at, Leash::default()),
+            Class::Four => self.four.put_leash(at, Leash::default()),
+        }
+    }
+
     /// Writes a contact to its lane if it belongs there; otherwise tells so.
     pub fn rewrite(&self, contact: &Found) -> bool {
         let stays = self.key(contact.lane) == contact.key(self.cut);
@@ -215,9 +231,10 @@ impl<'a> Desk<'a> {
     }
 
     fn enter<const P: usize, const T: usize>(&self, shelf: &Open<'_, P, T>, contact: &Found) {
-        let Found { manifold, memory, surface, offset, lane: at, .. } = contact;
+        let Found { manifold, memory, surface, offset, lane: at, leash, .. } = contact;
         shelf.put(*at, Single::new(manifold, memory, surface, *offset));
         shelf.put_names(*at, &memory.features, manifold.count);
+        shelf.put_leash(*at, *leash);
         self.put_cold(shelf.colds[at.block()], *at, ColdSingle::new(memory, surface, manifold.count));
     }
 
@@ -250,49 +267,17 @@ impl<'a> Desk<'a> {
         let Single { a, b, .. } = shelf.get(at);
         shelf.put(at, Single::IDLE);
         shelf.put_names(at, &[0; 4], 0);
+        shelf.put_leash(at, Leash::default());
         self.put_cold(shelf.colds[at.block()], at, ColdSingle::default());
         [a, b]
-    }
-
-    /// Copies a contact with all that belongs to it to a lane of the same class on another desk, under new rows.
-    pub(crate) fn copy(&self, from: Lane, to: &Desk<'_>, at: Lane, rows: [u32; 2]) {
-        match from.class() {
-            Class::Ball => self.move_to(&self.ball, from, &to.ball, to, at, rows),
-            Class::One => self.move_to(&self.one, from, &to.one, to, at, rows),
-            Class::Two => self.move_to(&self.two, from, &to.two, to, at, rows),
-            Class::Four => self.move_to(&self.four, from, &to.four, to, at, rows),
-        }
-    }
-
-    fn move_to<const P: usize, const T: usize>(
-        &self,
-        shelf: &Open<'_, P, T>,
-        from: Lane,
-        other: &Open<'_, P, T>,
-        desk: &Desk<'_>,
-        at: Lane,
-        [a, b]: [u32; 2],
-    ) {
-        let lanes = |here: &Words<'_>, there: &Words<'_>, [row, new_row]: [usize; 2]| {
-            for (to, word) in there.row(new_row).iter().zip(here.row(row)) {
-                to[at.lane()].store(word[from.lane()].load(Relaxed), Relaxed);
-            }
-        };
-        lanes(&shelf.blocks, &other.blocks, [from.block(), at.block()]);
-        lanes(&shelf.names, &other.names, [from.block(), at.block()]);
-        let row = other.blocks.row(at.block());
-        row.iter().zip([a, b]).for_each(|(word, row)| word[at.lane()].store(row, Relaxed));
-        let [old, new] = [shelf.colds[from.block()], other.colds[at.block()]];
-        if old != HOT && new != HOT {
-            lanes(&self.colds, &desk.colds, [old as usize, new as usize]);
-        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contacts::{Contacts, Entry};
+    use crate::arrange::Entry;
+    use crate::contacts::Contacts;
     use crate::manifold::FIXED;
     use std::collections::HashSet;
 
@@ -314,16 +299,8 @@ mod tests {
         let rolling = if cold { 0.1 } else { 0.0 };
         memory.rolling = Vec3::splat(x * rolling);
         let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
-        Found {
-            manifold,
-            memory,
-            surface,
-            offset: Vec3::ONE,
-            active: true,
-            ordinal: 0,
-            balls: false,
-            lane: Lane::NONE,
-        }
+        let leash = Leash { length: x, lever: 1.0 };
+        Found { manifold, memory, surface, offset: Vec3::ONE, active: true, leash, ..Found::default() }
     }
 
     fn all() -> Vec<Found> {

@@ -2,15 +2,22 @@
 //!
 //! Reads the motion of the last step; writes arms, normals, signed distances, and friction impulses along the turned tangents. To
 //! first order in that motion: a point keeps its place on both surfaces, half-way between them. What is found anew afterwards is overwritten.
+//!
+//! What makes that untrue in time is the motion of one body relative to the other, and it is counted off what they may go
+//! ([`crate::desk::Leash`]). What both have in common, as two stones of a heap that slides, does no harm but to second order.
 
-use crate::block::{Block, Cold, Column3, load, load3, store, tangents};
+use crate::block::{Block, Column3, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::shelf::Class;
-use crate::sweep::{Rows, Visit, gather_drift, over_all};
+use crate::shelf::{Class, Slack};
+use crate::sweep::{Beside, Rows, Visit, gather_drift, over_all};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
+
+/// What a step counts at least, metres, however little two bodies move: a contact that follows loses motions too small for single
+/// precision, up to 3e-8 of the way between the centres in a step; so each is looked at again in time.
+const CREEP: f32 = 1e-6;
 
 /// Lets all contacts follow their bodies.
 pub fn follow(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) {
@@ -20,20 +27,22 @@ pub fn follow(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width) 
 struct Follow;
 
 impl Visit for Follow {
+    const LINES: bool = false;
+
     #[inline(always)]
     fn visit<L: Lanes, const P: usize, const T: usize>(
         &self,
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        _: Option<&mut Cold>,
+        Beside { slack, .. }: Beside<'_>,
         k: usize,
         span: &Span,
     ) {
         if span.class == Class::Ball {
-            follow_balls::<L, P, T>(token, rows, block, k);
+            follow_balls::<L, P, T>(token, rows, block, slack, k);
         } else {
-            follow_points::<L, P, T>(token, rows, block, k);
+            follow_points::<L, P, T>(token, rows, block, slack, k);
         }
     }
 }
@@ -45,6 +54,7 @@ fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     rows: &Rows<'_>,
     block: &mut Block<P, T>,
+    slack: &mut Slack,
     k: usize,
 ) {
     let half = L::splat(token, 0.5);
@@ -79,6 +89,7 @@ fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     }
     let gap = open::<L, P, T>(token, block, k);
     store3(after - normal.scale(gap), &mut block.offset, k);
+    give(token, slack, moved.dot(moved).sqrt(), k);
     turn_friction::<L, P, T>(token, block, k, (before, normal));
 }
 
@@ -88,6 +99,7 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     rows: &Rows<'_>,
     block: &mut Block<P, T>,
+    slack: &mut Slack,
     k: usize,
 ) {
     let zero = L::splat(token, 0.0);
@@ -103,6 +115,14 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     let turned = (turn_a + turn_b).scale(half).cross(before);
     let normal = before + turned;
     let normal = normal.scale(L::splat(token, 1.0) / normal.dot(normal).sqrt());
+    // A point of either surface near the contact has gone relative to the other body what the contact's first point has, and what
+    // the turn of one against the other adds; of a turn of both, first order leaves out ½ θ² r.
+    let first = load3(token, &block.arms[0], k) + back;
+    let slid = moved + turn_b.cross(first - from_b) - turn_a.cross(first);
+    let (turn, lever) = (turn_b - turn_a, load::<L>(token, &slack.levers, k));
+    let length = |v: Lanes3<L>| v.dot(v).sqrt();
+    let bent = half * (turn_a.dot(turn_a) * length(first) + turn_b.dot(turn_b) * length(first - from_b));
+    give(token, slack, length(slid) + lever * length(turn) + bent, k);
     let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
     for (p, to) in arms.iter_mut().enumerate() {
         let arm = load3(token, &block.arms[p], k) + back;
@@ -120,6 +140,13 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     }
     store3(from_b + moved - normal.scale(gap), &mut block.offset, k);
     turn_friction::<L, P, T>(token, block, k, (before, normal));
+}
+
+/// Takes a way off what two bodies may go.
+#[inline(always)]
+fn give<L: Lanes>(token: L::Token, slack: &mut Slack, way: L, k: usize) {
+    let left = load::<L>(token, &slack.left, k) - way - L::splat(token, CREEP);
+    store(left, &mut slack.left, k);
 }
 
 /// Turns the normal, and expresses the friction impulse in its new tangents.
@@ -164,11 +191,9 @@ fn store3<L: Lanes>(v: Lanes3<L>, columns: &mut Column3, k: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desk::Found;
-    use crate::line::{Drift, Line, Role};
+    use crate::desk::{Found, Leash};
+    use crate::line::{Bodies, Drift};
     use crate::manifold::{Manifold, Memory};
-    use crate::shelf::Lane;
-    use crate::single::Surface;
     use rockfall_math::{Mat3, Quat, rotation};
 
     fn drift(translation: Vec3, rotation: Vec3) -> Drift {
@@ -177,7 +202,7 @@ mod tests {
         drift
     }
 
-    /// A contact after both bodies have moved.
+    /// A contact after both bodies have moved, and how far they may still go.
     fn followed(
         manifold: Manifold,
         friction: Vec3,
@@ -185,30 +210,22 @@ mod tests {
         [a, b]: [Drift; 2],
         balls: bool,
         width: Width,
-    ) -> (Manifold, Memory) {
+    ) -> (Manifold, Memory, f32) {
         let mut contacts = Contacts::default();
         let memory = Memory { color: 0, friction, ..Memory::default() };
-        let (surface, lane) = (Surface::default(), Lane::NONE);
-        let arrival = Found { manifold, memory, surface, offset, active: true, ordinal: 0, balls, lane };
-        let mut arrivals = vec![vec![arrival]];
+        let found = Found { manifold, memory, offset, active: true, balls, leash: LEASH, ..Found::default() };
+        let mut arrivals = vec![vec![found]];
         contacts.place(&mut arrivals);
-        let mut lines = vec![Line::default(); 3];
-        contacts.prepare(&lines);
-        let mut drifts = vec![Drift::default(), a, b];
-        let mut columns = Columns {
-            lines: &mut lines,
-            drifts: &mut drifts,
-            references: &mut [[0.0; 8]; 3],
-            rotations: &mut [Quat::IDENTITY; 3],
-            frames: &[Quat::IDENTITY; 3],
-            inverse_moments: &[Vec3::ONE; 3],
-            dampings: &[[0.0; 2]; 3],
-            roles: &[Role::Free; 3],
-            locks: &[0; 3],
-        };
-        follow(&mut contacts, &mut columns, width);
-        contacts.read(arrivals[0][0].lane)
+        let mut bodies = Bodies::new(3);
+        contacts.prepare(&bodies.lines);
+        bodies.drifts[1..].copy_from_slice(&[a, b]);
+        follow(&mut contacts, &mut bodies.columns(), width);
+        let (manifold, memory) = contacts.read(arrivals[0][0].lane);
+        let slack = if balls { &contacts.ball.slacks[0] } else { &contacts.two.slacks[0] };
+        (manifold, memory, slack.left[0])
     }
+
+    const LEASH: Leash = Leash { length: 0.1, lever: 0.4 };
 
     /// Two balls, in contact and apart, whatever the size of their motion.
     #[test]
@@ -226,7 +243,7 @@ mod tests {
             let normal = centres.normalize();
             let distance = centres.as_dvec3().length() - f64::from(radius_a) - f64::from(radius_b);
             for width in Width::all() {
-                let (m, _) = followed(manifold, Vec3::ZERO, offset, [a, b], true, width);
+                let (m, ..) = followed(manifold, Vec3::ZERO, offset, [a, b], true, width);
                 assert!((f64::from(m.distances[0]) - distance).abs() < 1e-7, "{distance} {m:?}");
                 assert!((m.normal - normal).length() < 2e-7);
                 assert!((m.arms[0] - normal * (radius_a + 0.5 * distance as f32)).length() < 2e-7, "{m:?}");
@@ -247,7 +264,7 @@ mod tests {
         for (width, start) in Width::all().into_iter().flat_map(|width| [(width, 0.0), (width, 0.01)]) {
             let manifold =
                 Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [start, start, 0.0, 0.0] };
-            let (manifold, memory) = followed(manifold, friction, offset, [a, b], false, width);
+            let (manifold, memory, _) = followed(manifold, friction, offset, [a, b], false, width);
             let turned = |d: &Drift| {
                 Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())))
             };
@@ -263,5 +280,29 @@ mod tests {
             assert!((manifold.normal - half * Vec3::Z).length() < small * small);
             assert!((memory.friction - half * friction).length() < 2.0 * small * friction.length());
         }
+    }
+
+    /// What both bodies have in common costs nothing but to second order; sliding costs its way, turning its angle times the lever.
+    #[test]
+    fn only_motion_relative_to_each_other_uses_up_the_leash() {
+        let offset = Vec3::new(0.2, -0.1, 1.0);
+        let arms = [Vec3::new(0.5, 0.5, 0.5), Vec3::new(-0.5, 0.4, 0.5), Vec3::ZERO, Vec3::ZERO];
+        let manifold = Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [0.0; 4] };
+        let used = |a, b, balls| {
+            let manifold = Manifold { count: if balls { 1 } else { 2 }, ..manifold };
+            LEASH.length - followed(manifold, Vec3::ZERO, offset, [a, b], balls, Width::native()).2
+        };
+        let close = |x: f32, y: f32| assert!((x - y - CREEP).abs() < 2e-7, "{x} {y}");
+        let (way, turn) = (Vec3::new(0.01, -0.02, 0.03), Vec3::new(0.003, 0.001, -0.002));
+        // b goes along on a body that turns.
+        let (a, b) = (drift(way, turn), drift(way + turn.cross(offset), turn));
+        let (arm_a, arm_b) = (arms[0], arms[0] - offset);
+        close(used(a, b, false), 0.5 * turn.length_squared() * (arm_a.length() + arm_b.length()));
+        let slide = Vec3::new(0.006, 0.0, 0.008);
+        close(used(drift(way, Vec3::ZERO), drift(way + slide, Vec3::ZERO), false), 0.01);
+        let about_first = drift(turn.cross(-arm_b), turn);
+        let bent = 0.5 * turn.length_squared() * arm_b.length();
+        close(used(Drift::default(), about_first, false), 0.4 * turn.length() + bent);
+        close(used(drift(way, turn), drift(way + slide, -turn), true), 0.01);
     }
 }

@@ -18,7 +18,7 @@ use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::plan::Span;
 use crate::soft::{Softness, SubStep};
-use crate::sweep::{BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
@@ -56,7 +56,7 @@ impl<const RELAX: bool> Visit for Iterate<RELAX> {
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        mut cold: Option<&mut Cold>,
+        Beside { mut cold, .. }: Beside<'_>,
         k: usize,
         span: &Span,
     ) {

@@ -5,6 +5,7 @@
 //! contacts does not matter, so that neither the number of threads nor the number of lanes can change a bit of the result.
 
 pub mod advance;
+mod arrange;
 mod balls;
 pub mod block;
 pub mod bounce;
@@ -30,9 +31,11 @@ pub mod soft;
 mod sweep;
 pub mod tally;
 pub mod warm;
+mod words;
 
-pub use contacts::{Contacts, Entry};
-pub use desk::{Desk, Found};
+pub use arrange::Entry;
+pub use contacts::Contacts;
+pub use desk::{Desk, Found, Leash};
 pub use line::{Columns, Drift, Line};
 pub use manifold::{FIXED, Manifold, Memory, NO_COLOR, row_of};
 pub use shelf::{Lane, WORTH_TILES};

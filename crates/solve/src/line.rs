@@ -117,3 +117,49 @@ pub struct Columns<'a> {
     /// Bit i locks translation along axis i, bit 3 + i rotation about it, world axes.
     pub locks: &'a [u8],
 }
+
+/// Bodies by themselves, for tests of what moves them.
+#[cfg(test)]
+pub(crate) struct Bodies {
+    pub(crate) lines: Vec<Line>,
+    pub(crate) drifts: Vec<Drift>,
+    references: Vec<Row>,
+    rotations: Vec<Quat>,
+    frames: Vec<Quat>,
+    inverse_moments: Vec<Vec3>,
+    dampings: Vec<[f32; 2]>,
+    roles: Vec<Role>,
+    locks: Vec<u8>,
+}
+
+#[cfg(test)]
+impl Bodies {
+    /// So many rows, all of them free but without mass.
+    pub(crate) fn new(rows: usize) -> Self {
+        Bodies {
+            lines: vec![Line::default(); rows],
+            drifts: vec![Drift::default(); rows],
+            references: vec![[0.0; 8]; rows],
+            rotations: vec![Quat::IDENTITY; rows],
+            frames: vec![Quat::IDENTITY; rows],
+            inverse_moments: vec![Vec3::ONE; rows],
+            dampings: vec![[0.0; 2]; rows],
+            roles: vec![Role::Free; rows],
+            locks: vec![0; rows],
+        }
+    }
+
+    pub(crate) fn columns(&mut self) -> Columns<'_> {
+        Columns {
+            lines: &mut self.lines,
+            drifts: &mut self.drifts,
+            references: &mut self.references,
+            rotations: &mut self.rotations,
+            frames: &self.frames,
+            inverse_moments: &self.inverse_moments,
+            dampings: &self.dampings,
+            roles: &self.roles,
+            locks: &self.locks,
+        }
+    }
+}

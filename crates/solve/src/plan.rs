@@ -26,6 +26,17 @@ pub(crate) struct Span {
 }
 
 impl Span {
+    /// The block that is visited `count` blocks after block `i` of this span, where that is in this span or in the one `after` it.
+    #[inline(always)]
+    pub(crate) fn ahead(&self, i: usize, count: usize, after: Option<&Span>) -> Option<usize> {
+        let (block, end) = (i + count, self.to as usize);
+        if block < end {
+            return Some(block);
+        }
+        let Span { from, to, .. } = after?;
+        Some(*from as usize + block - end).filter(|block| *block < *to as usize)
+    }
+
     /// Whether all contacts are those that [`crate::balls`] is for.
     #[inline(always)]
     pub(crate) fn is_of_plain_balls(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Stages 9 and 10: collision response, sub-step by sub-step, for each of the three solvers.
 
 use crate::advance::{Stay, advance};
-use crate::block::{Block, Cold, LANES, get3};
+use crate::block::{Block, LANES, get3};
 use crate::bounce::bounce;
 use crate::contacts::Contacts;
 use crate::drift::Transform;
@@ -12,7 +12,7 @@ use crate::plan::Span;
 use crate::push::Push;
 use crate::reflect::reflect_pair;
 use crate::soft::{Softness, SubStep};
-use crate::sweep::{Rows, Visit, sweep};
+use crate::sweep::{Beside, Rows, Visit, sweep};
 use crate::warm::warm;
 use rockfall_math::lanes::{Lanes, Width};
 use rockfall_math::{Mat3, Vec3};
@@ -208,7 +208,7 @@ impl<R: Respond> Visit for Simple<'_, R> {
         _: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        cold: Option<&mut Cold>,
+        Beside { cold, .. }: Beside<'_>,
         k: usize,
         &Span { one_sided, .. }: &Span,
     ) {

@@ -1,6 +1,6 @@
 //! Where contacts are kept: blocks of one class, and the names of places in them.
 
-use crate::block::{Block, Cold, LANES, get3};
+use crate::block::{Block, Cold, Column, LANES, get3};
 use crate::manifold::{Manifold, Memory};
 use crate::paint::OVERFLOW;
 use crate::plan::cold_of;
@@ -33,6 +33,12 @@ impl Class {
 /// The place of one contact: a lane of a block. It holds until the contact is moved or the blocks are sorted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Lane(u32);
+
+impl Default for Lane {
+    fn default() -> Self {
+        Lane::NONE
+    }
+}
 
 impl Lane {
     /// No place yet.
@@ -175,6 +181,19 @@ impl<const P: usize> Names<P> {
     pub(crate) const IDLE: Self = Names { features: [[0; LANES]; P], counts: [0; LANES] };
 }
 
+/// For how long contacts may follow their bodies, lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slack {
+    /// Way that the two bodies may still go relative to each other, metres.
+    pub(crate) left: Column,
+    /// How far from the contact the surfaces may come near each other, metres: what a turn of one against the other is multiplied by.
+    pub(crate) levers: Column,
+}
+
+impl Slack {
+    pub(crate) const IDLE: Self = Slack { left: [0.0; LANES], levers: [0.0; LANES] };
+}
+
 /// A block has no cold half.
 pub(crate) const HOT: u32 = u32::MAX;
 
@@ -183,6 +202,7 @@ pub(crate) const HOT: u32 = u32::MAX;
 pub(crate) struct Shelf<const P: usize, const T: usize> {
     pub(crate) blocks: Vec<Block<P, T>>,
     pub(crate) names: Vec<Names<P>>,
+    pub(crate) slacks: Vec<Slack>,
     pub(crate) keys: Vec<Key>,
     /// Number of each block's cold half, or [`HOT`].
     pub(crate) colds: Vec<u32>,
@@ -190,25 +210,17 @@ pub(crate) struct Shelf<const P: usize, const T: usize> {
 
 impl<const P: usize, const T: usize> Default for Shelf<P, T> {
     fn default() -> Self {
-        Shelf { blocks: Vec::new(), names: Vec::new(), keys: Vec::new(), colds: Vec::new() }
+        Shelf {
+            blocks: Vec::new(),
+            names: Vec::new(),
+            slacks: Vec::new(),
+            keys: Vec::new(),
+            colds: Vec::new(),
+        }
     }
 }
 
 impl<const P: usize, const T: usize> Shelf<P, T> {
-    /// Idle blocks with these keys; cold halves are numbered from `colds` on.
-    pub(crate) fn idle(keys: Vec<Key>, colds: &mut u32) -> Self {
-        let number = |key: &Key| {
-            *colds += u32::from(key.is_cold());
-            if key.is_cold() { *colds - 1 } else { HOT }
-        };
-        Shelf {
-            blocks: vec![Block::IDLE; keys.len()],
-            names: vec![Names::IDLE; keys.len()],
-            colds: keys.iter().map(number).collect(),
-            keys,
-        }
-    }
-
     /// What a lane holds.
     pub(crate) fn read(&self, at: Lane, colds: &[Cold]) -> (Manifold, Memory) {
         let (block, lane) = (at.block(), at.lane());
@@ -237,8 +249,10 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
         let len = self.blocks.len() + 1;
         make_room(&mut self.blocks, len);
         make_room(&mut self.names, len);
+        make_room(&mut self.slacks, len);
         self.blocks.push(Block::IDLE);
         self.names.push(Names::IDLE);
+        self.slacks.push(Slack::IDLE);
         self.keys.push(key);
         self.colds.push(cold);
         len as u32 - 1
@@ -247,6 +261,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
     pub(crate) fn memory(&self) -> usize {
         self.blocks.capacity() * size_of::<Block<P, T>>()
             + self.names.capacity() * size_of::<Names<P>>()
+            + self.slacks.capacity() * size_of::<Slack>()
             + self.keys.capacity() * size_of::<Key>()
             + self.colds.capacity() * size_of::<u32>()
     }

@@ -5,13 +5,17 @@ use crate::block::{Block, Cold, LANES};
 use crate::contacts::Contacts;
 use crate::line::{Columns, Drift, Line};
 use crate::plan::{Part, Plan, Span, cold_of};
-use crate::shelf::{Class, Shelf, TILE};
+use crate::shelf::{Class, Shelf, Slack, TILE};
 use rayon::prelude::*;
 use rockfall_math::disjoint::DisjointRows;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Row, Width};
 
 /// A layer with fewer blocks is not worth waking a second thread for. Results don't depend on it.
 const WORTH_SHARING: usize = 12;
+
+/// Spans that a thread takes of a layer at a time, at most, and pieces that a layer is cut into at least: enough to share.
+const CHUNK: usize = 8;
+const PIECES: usize = 64;
 
 /// The rows that the contacts of a sweep read and write.
 pub(crate) struct Rows<'a> {
@@ -25,14 +29,23 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// What lies beside a block.
+pub(crate) struct Beside<'a> {
+    pub(crate) cold: Option<&'a mut Cold>,
+    pub(crate) slack: &'a mut Slack,
+}
+
 /// What a sweep does to `L::WIDTH` lanes of a block, from lane `k` on.
 pub(crate) trait Visit: Sync {
+    /// Whether it reads velocities, and not only how bodies have moved.
+    const LINES: bool = true;
+
     fn visit<L: Lanes, const P: usize, const T: usize>(
         &self,
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        cold: Option<&mut Cold>,
+        beside: Beside<'_>,
         k: usize,
         span: &Span,
     );
@@ -105,7 +118,8 @@ fn visit_outer<V: Visit>(contacts: &mut Contacts, rows: &Rows<'_>, width: Width,
                 if *blocks < WORTH_SHARING || rayon::current_num_threads() == 1 {
                     over(width, spans);
                 } else {
-                    spans.par_chunks(1).with_max_len(1).for_each(|span| over(width, span));
+                    let chunk = (spans.len() / PIECES).clamp(1, CHUNK);
+                    spans.par_chunks(chunk).with_max_len(1).for_each(|spans| over(width, spans));
                 }
             }
             Part::Tiles(tiles) => {
@@ -133,12 +147,14 @@ pub(crate) fn over_all<V: Visit>(
 /// The blocks of a class and the numbers of their cold halves.
 struct Blocks<'a, const P: usize, const T: usize> {
     blocks: DisjointRows<'a, Block<P, T>>,
+    slacks: DisjointRows<'a, Slack>,
     colds: &'a [u32],
 }
 
 impl<'a, const P: usize, const T: usize> Blocks<'a, P, T> {
     fn new(shelf: &'a mut Shelf<P, T>) -> Self {
-        Blocks { blocks: DisjointRows::new(&mut shelf.blocks), colds: &shelf.colds }
+        let Shelf { blocks, slacks, colds, .. } = shelf;
+        Blocks { blocks: DisjointRows::new(blocks), slacks: DisjointRows::new(slacks), colds }
     }
 }
 
@@ -170,29 +186,57 @@ impl<V: Visit> Kernel for OverSpans<'_, '_, V> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self, token: L::Token) {
-        for span in self.spans {
+        for (i, span) in self.spans.iter().enumerate() {
+            let after = self.spans.get(i + 1).filter(|after| after.class == span.class);
             match span.class {
-                Class::Ball => self.over::<L, 1, 0>(token, span, &self.shelves.ball),
-                Class::One => self.over::<L, 1, 0>(token, span, &self.shelves.one),
-                Class::Two => self.over::<L, 2, 1>(token, span, &self.shelves.two),
-                Class::Four => self.over::<L, 4, 1>(token, span, &self.shelves.four),
+                Class::Ball => self.over::<L, 1, 0>(token, span, after, &self.shelves.ball),
+                Class::One => self.over::<L, 1, 0>(token, span, after, &self.shelves.one),
+                Class::Two => self.over::<L, 2, 1>(token, span, after, &self.shelves.two),
+                Class::Four => self.over::<L, 4, 1>(token, span, after, &self.shelves.four),
             }
         }
     }
 }
 
 impl<V: Visit> OverSpans<'_, '_, V> {
+    /// Has brought near what comes after block `i`: the one after the next, and the bodies of the next. Contacts are visited in the order of memory
+    /// as far as it goes, but the bodies of those between tiles are anywhere. Saves a fifth of a sweep over 100,000 balls.
+    #[inline(always)]
+    fn fetch<const P: usize, const T: usize>(
+        &self,
+        i: usize,
+        span: &Span,
+        after: Option<&Span>,
+        shelf: &Blocks<'_, P, T>,
+    ) {
+        if let Some(block) = span.ahead(i, 2, after) {
+            shelf.blocks.fetch(block);
+        }
+        if let Some(block) = span.ahead(i, 1, after) {
+            // SAFETY: as in `over`: the spans are this thread's for now, and no other reference to one of their blocks is alive.
+            let Block { a, b, .. } = unsafe { shelf.blocks.get(block) };
+            for &row in a.iter().chain(b) {
+                if V::LINES {
+                    self.rows.lines.fetch(row as usize);
+                }
+                self.rows.drifts.fetch(row as usize);
+            }
+        }
+    }
+
     #[inline(always)]
     fn over<L: Lanes, const P: usize, const T: usize>(
         &self,
         token: L::Token,
         span: &Span,
+        after: Option<&Span>,
         shelf: &Blocks<'_, P, T>,
     ) {
         for i in span.from as usize..span.to as usize {
+            self.fetch(i, span, after, shelf);
             // SAFETY: spans don't share blocks but those of contacts that are solved one by one, and each span is visited by one thread
             // at a time.
-            let block = unsafe { shelf.blocks.row(i) };
+            let (block, slack) = unsafe { (shelf.blocks.row(i), shelf.slacks.row(i)) };
             let cold = if span.cold { cold_of(shelf.colds, i) } else { None };
             // SAFETY: likewise; every cold half belongs to one block.
             let mut cold = cold.map(|cold| unsafe { self.shelves.colds.row(cold) });
@@ -202,7 +246,8 @@ impl<V: Visit> OverSpans<'_, '_, V> {
                 if block.a[k..k + L::WIDTH].iter().all(|&a| a == 0) {
                     continue;
                 }
-                self.visit.visit::<L, P, T>(token, self.rows, block, cold.as_deref_mut(), k, span);
+                let beside = Beside { cold: cold.as_deref_mut(), slack: &mut *slack };
+                self.visit.visit::<L, P, T>(token, self.rows, block, beside, k, span);
             }
         }
     }

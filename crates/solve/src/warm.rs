@@ -6,12 +6,12 @@
 
 use crate::advance::Advance;
 use crate::balls::warm_balls;
-use crate::block::{Block, Cold, load, load3, tangents};
+use crate::block::{Block, load, load3, tangents};
 use crate::contacts::Contacts;
 use crate::effective::complete;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::sweep::{BodyLanes, Rows, Visit, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses, after a change of every body.
@@ -28,7 +28,7 @@ impl Visit for Warm {
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        cold: Option<&mut Cold>,
+        Beside { cold, .. }: Beside<'_>,
         k: usize,
         span: &Span,
     ) {

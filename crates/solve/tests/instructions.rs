@@ -12,9 +12,7 @@ use rockfall_solve::follow::follow;
 use rockfall_solve::iterate::{relax, solve};
 use rockfall_solve::line::Role;
 use rockfall_solve::warm::warm;
-use rockfall_solve::{
-    Columns, Contacts, Drift, Found, Lane, Line, Manifold, Memory, Softness, SubStep, Surface,
-};
+use rockfall_solve::{Columns, Contacts, Drift, Found, Line, Manifold, Memory, Softness, SubStep, Surface};
 use std::collections::HashMap;
 use std::process::Command;
 
@@ -27,22 +25,22 @@ const SWEEPS: usize = 4;
 /// A kernel, lanes, and instructions per contact and sweep as they were counted with Rust 1.95: of the development
 /// profile, of the release profile.
 const COUNTED: [(&str, usize, [f64; 2]); 16] = [
-    ("warm_balls", 4, [633.7, 132.0]),
-    ("solve_balls", 4, [901.5, 192.4]),
-    ("relax_balls", 4, [878.1, 182.0]),
-    ("follow_balls", 4, [351.7, 82.1]),
-    ("warm_boxes", 4, [1045.5, 556.4]),
-    ("solve_boxes", 4, [1282.2, 491.8]),
-    ("relax_boxes", 4, [1198.3, 453.9]),
-    ("follow_boxes", 4, [504.1, 183.1]),
-    ("warm_balls", 8, [352.2, 91.1]),
-    ("solve_balls", 8, [484.8, 125.7]),
-    ("relax_balls", 8, [481.1, 123.0]),
-    ("follow_balls", 8, [165.7, 45.5]),
-    ("warm_boxes", 8, [581.7, 326.2]),
-    ("solve_boxes", 8, [642.2, 248.7]),
-    ("relax_boxes", 8, [613.5, 243.8]),
-    ("follow_boxes", 8, [254.8, 95.3]),
+    ("warm_balls", 4, [683.2, 177.7]),
+    ("solve_balls", 4, [954.4, 240.4]),
+    ("relax_balls", 4, [924.0, 228.3]),
+    ("follow_balls", 4, [386.2, 124.8]),
+    ("warm_boxes", 4, [1092.2, 601.7]),
+    ("solve_boxes", 4, [1337.4, 532.6]),
+    ("relax_boxes", 4, [1246.9, 500.2]),
+    ("follow_boxes", 4, [573.6, 253.5]),
+    ("warm_balls", 8, [399.2, 136.8]),
+    ("solve_balls", 8, [533.4, 171.0]),
+    ("relax_balls", 8, [528.0, 170.2]),
+    ("follow_balls", 8, [204.1, 83.3]),
+    ("warm_boxes", 8, [630.0, 372.8]),
+    ("solve_boxes", 8, [697.6, 296.0]),
+    ("relax_boxes", 8, [662.4, 290.7]),
+    ("follow_boxes", 8, [306.6, 145.0]),
 ];
 
 /// What a compiler or a small change may add.
@@ -231,9 +229,8 @@ impl Scene {
             surface,
             offset: Vec3::new(0.0, 0.0, 0.998),
             active: true,
-            ordinal: 0,
             balls,
-            lane: Lane::NONE,
+            ..Found::default()
         };
         let mut arrivals = vec![(0..CONTACTS).map(found).collect::<Vec<Found>>()];
         let mut contacts = Contacts::default();

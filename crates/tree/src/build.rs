@@ -2,7 +2,7 @@
 
 use crate::morton::Grid;
 use crate::order::order;
-use crate::{Block, MAX_LEVELS, Tree, WIDTH, hilbert};
+use crate::{Block, MAX_LEVELS, NOWHERE, Tree, WIDTH, hilbert};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -15,26 +15,36 @@ impl Tree {
     ///
     /// At most 2³² − 1 boxes have an index.
     pub fn build(boxes: &[Aabb]) -> Tree {
-        let grid = Grid::new(&populated(boxes));
-        let codes: Vec<u64> = boxes
+        let all: Vec<u32> = (0..boxes.len() as u32).collect();
+        Tree::build_some(&all, |item| boxes[item])
+    }
+
+    /// Builds a tree over some items, whose boxes are `area`, in parallel. Equal places keep the order of `items`, none of which comes twice.
+    pub fn build_some(items: &[u32], area: impl Fn(usize) -> Aabb + Sync) -> Tree {
+        let area_of = |&item: &u32| area(item as usize);
+        let grid = Grid::new(&populated(items, &area_of));
+        let codes: Vec<u64> = items
             .par_iter()
             .with_min_len(GRAIN)
-            .map(|area| {
+            .map(|item| {
+                let area = area_of(item);
                 let holds = area.min.cmple(area.max).all();
                 if holds { hilbert(grid.morton(area.center())) } else { u64::MAX }
             })
             .collect();
-        let order = order(&codes);
+        let mut order = order(&codes);
         drop(codes);
+        order.par_iter_mut().with_min_len(GRAIN).for_each(|place| *place = items[*place as usize]);
         // Atomic, so that all threads can write: each place is written once.
-        let places: Vec<AtomicU32> = (0..order.len()).map(|_| AtomicU32::new(0)).collect();
+        let end = order.par_iter().max().map_or(0, |&last| last as usize + 1);
+        let places: Vec<AtomicU32> = (0..end).map(|_| AtomicU32::new(NOWHERE)).collect();
         order.par_iter().zip(0..order.len() as u32).with_min_len(GRAIN).for_each(|(&item, place)| {
             places[item as usize].store(place, Relaxed);
         });
         let places = places.into_iter().map(AtomicU32::into_inner).collect();
 
         let mut tree = Tree { order, places, ..Tree::default() };
-        let mut below = boxes.len();
+        let mut below = items.len();
         let mut total = 0;
         while tree.levels < MAX_LEVELS && below > 0 {
             let count = below.div_ceil(WIDTH);
@@ -44,18 +54,19 @@ impl Tree {
             below = if count > 1 { count } else { 0 };
         }
         tree.blocks = vec![Block::EMPTY; total];
-        tree.refit(|item| boxes[item]);
+        tree.refit(area);
         tree
     }
 }
 
 /// The part of space where nearly all boxes are. A few that flew off to infinity must not squeeze the rest into one
 /// cell of the curve, so take the middle of a sample and widen it; what lies outside sorts to the border.
-fn populated(boxes: &[Aabb]) -> Aabb {
+fn populated(items: &[u32], area_of: &(impl Fn(&u32) -> Aabb + Sync)) -> Aabb {
     const SAMPLE: usize = 1024;
     const WIDER: f32 = 8.0;
-    let step = boxes.len().div_ceil(SAMPLE).max(1);
-    let centres: Vec<Vec3> = boxes.iter().step_by(step).map(Aabb::center).filter(|c| c.is_finite()).collect();
+    let step = items.len().div_ceil(SAMPLE).max(1);
+    let sample = items.iter().step_by(step).map(|item| area_of(item).center());
+    let centres: Vec<Vec3> = sample.filter(|c| c.is_finite()).collect();
     if centres.is_empty() {
         return Aabb::EMPTY;
     }
@@ -68,10 +79,10 @@ fn populated(boxes: &[Aabb]) -> Aabb {
         let reach = (high - low) * WIDER;
         (min[axis], max[axis]) = (low - reach, high + reach);
     }
-    let all = boxes
+    let all = items
         .par_iter()
         .with_min_len(GRAIN)
-        .map(|area| area.center())
+        .map(|item| area_of(item).center())
         .filter(|centre| centre.is_finite())
         .map(|centre| Aabb::new(centre, centre))
         .reduce(|| Aabb::EMPTY, |a, b| a.union(&b));

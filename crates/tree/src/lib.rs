@@ -32,10 +32,13 @@ pub use morton::morton;
 use block::{Block, WIDTH};
 use rockfall_math::Aabb;
 
+/// The place of what is not an item.
+const NOWHERE: u32 = u32::MAX;
+
 /// Levels that a tree over `u32` items can have: 8¹¹ > 2³².
 const MAX_LEVELS: usize = 11;
 
-/// A bounding-volume hierarchy over boxes. Items are the indices of the boxes that it was built from.
+/// A bounding-volume hierarchy over boxes. Items are the indices of the boxes that it was built from, or of some of them.
 ///
 /// A box that contains nothing (`min > max` on some axis, as [`Aabb::EMPTY`], or a coordinate that is not a number)
 /// holds its place but is never reported. Infinite sides are allowed: such a box is reported wherever it reaches.
@@ -57,7 +60,7 @@ const MAX_LEVELS: usize = 11;
 pub struct Tree {
     /// Items along the curve.
     order: Vec<u32>,
-    /// Where each item lies in `order`.
+    /// Where each item lies in `order`, or [`NOWHERE`], up to the last one.
     places: Vec<u32>,
     /// All levels, the items' own boxes first, the root last.
     blocks: Vec<Block>,

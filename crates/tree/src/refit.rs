@@ -1,6 +1,6 @@
 //! Brings the boxes of a tree up to date without sorting.
 
-use crate::{Block, Tree, WIDTH};
+use crate::{Block, NOWHERE, Tree, WIDTH};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
 
@@ -44,9 +44,9 @@ impl Tree {
     /// [`Tree::refit`] with the boxes of all others unchanged. Where few have moved it touches only what lies above
     /// those few, and its cost, but for one look at each mark, grows with their number alone.
     ///
-    /// Items beyond the end of `moved` have not moved; marks beyond the last item are passed over.
+    /// Items beyond the end of `moved` have not moved; marks of what is not an item are passed over.
     pub fn refit_moved(&mut self, moved: &[bool], area: impl Fn(usize) -> Aabb + Sync) {
-        let moved = &moved[..moved.len().min(self.len())];
+        let moved = &moved[..moved.len().min(self.places.len())];
         let count = moved.par_iter().with_min_len(1 << 16).filter(|&&moved| moved).count();
         if count > self.len() / FEW {
             return self.refit(area);
@@ -60,7 +60,7 @@ impl Tree {
                 continue;
             }
             let items = marks.iter().zip(chunk * MARKS..).filter(|(moved, _)| **moved);
-            stale.extend(items.map(|(_, item)| self.places[item]));
+            stale.extend(items.map(|(_, item)| self.places[item]).filter(|&place| place != NOWHERE));
         }
         stale.par_sort_unstable();
         for level in 0..self.levels {

@@ -5,11 +5,11 @@
 //! all rows are sorted along the Hilbert curve, the immobile ones last: neighbours in space are neighbours in memory.
 
 use crate::bodies::{Bodies, State};
-use crate::recall::ELSEWHERE;
+use crate::index::Turnover;
 use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
-use rockfall_solve::{Contacts, WORTH_TILES, row_of};
+use rockfall_solve::{Contacts, Desk, WORTH_TILES, row_of};
 use rockfall_tree::{hilbert, morton::Grid};
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 const SORT_EVERY: u64 = 64;
 
 /// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step, `stirred` are the
-/// rows that were put somewhere else. Returns whether rows have moved or come.
+/// rows that were put somewhere else.
 pub(crate) fn apply(
     bodies: &mut Bodies,
     touches: &mut Touches,
@@ -25,19 +25,23 @@ pub(crate) fn apply(
     fresh: usize,
     stirred: &BTreeSet<u32>,
     step: u64,
-) -> bool {
-    for &row in stirred {
-        let way = &mut bodies.ways[row as usize];
-        *way = way.wrapping_add(ELSEWHERE);
-    }
+) -> Turnover {
     let rows = bodies.rows();
+    if !stirred.is_empty() {
+        forget(bodies, touches, &contacts.desk(rows - fresh), stirred);
+    }
     let dead = bodies.states.contains(&State::Dead);
     if dead || !stirred.is_empty() {
         wake_partners(bodies, touches, stirred);
     }
     let sort = step.is_multiple_of(SORT_EVERY) || fresh > rows / 4;
+    // What never moves is looked for by others, not the other way round.
+    let fixed =
+        (rows - fresh..rows).chain(stirred.iter().map(|&row| row as usize)).any(|row| !bodies.is_mover(row));
+    // With bodies that came, whether a sort moves rows depends on the order in which they were added; nothing else may.
+    let turnover = |all: bool| Turnover { fresh, all: all || fixed || dead || (sort && fresh > 0) };
     if !sort && !dead && fresh == 0 {
-        return false;
+        return turnover(false);
     }
     let alive = |row: &u32| bodies.states[*row as usize] != State::Dead;
     let mut order: Vec<u32> = (0..rows as u32).into_par_iter().filter(alive).collect();
@@ -52,8 +56,13 @@ pub(crate) fn apply(
     let movers = order.par_iter().filter(|row| bodies.is_mover(**row as usize)).count();
     let tiled = if sort { movers >= WORTH_TILES } else { contacts.is_tiled() };
     let sorted = order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize);
-    if sorted && tiled == contacts.is_tiled() && !(fresh > 0 && contacts.split_bodies() > 0) {
-        return fresh > 0;
+    if sorted {
+        let split = fresh > 0 && contacts.split_bodies() > 0;
+        if tiled != contacts.is_tiled() || split || (sort && contacts.is_sparse()) {
+            let lanes = contacts.sort(touches.entries(), tiled, rows, &order);
+            touches.relocate(&lanes);
+        }
+        return turnover(false);
     }
     bodies.reorder(&order);
     let mut new_rows = vec![u32::MAX; rows];
@@ -63,7 +72,8 @@ pub(crate) fn apply(
     let entries = touches.rename(&new_rows);
     let lanes = contacts.sort(entries, tiled, bodies.rows(), &new_rows);
     touches.relocate(&lanes);
-    true
+    // Otherwise only rows that are new have changed places.
+    turnover(sort)
 }
 
 /// Place of every row along the curve; immobile bodies behind all others.
@@ -79,6 +89,20 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
         .into_par_iter()
         .map(|row| (!bodies.is_mover(row), hilbert(grid.morton(bodies.positions[row].as_vec3()))))
         .collect()
+}
+
+/// What pairs know of a body that was put somewhere else is true no more.
+fn forget(bodies: &Bodies, touches: &mut Touches, desk: &Desk<'_>, stirred: &BTreeSet<u32>) {
+    touches.runs.par_iter_mut().for_each(|run| {
+        for (i, &key) in run.keys.iter().enumerate() {
+            let (a, b) = (rows(key).0, row_of(rows(key).1) as u32);
+            if stirred.contains(&a) || stirred.contains(&b) {
+                let count = bodies.ways[a as usize].wrapping_add(bodies.ways[b as usize]);
+                run.recalls[i].set(count, 0.0);
+                run.lanes[run.contacts(i as u32)].iter().for_each(|&lane| desk.unleash(lane));
+            }
+        }
+    });
 }
 
 /// What rested on a body that is gone, or somewhere else now, rests no more.

@@ -1,6 +1,6 @@
 //! The bodies' columns: one row a body, row 0 the world itself.
 
-use crate::{Body, Kind, Shape};
+use crate::{Body, Kind};
 use rayon::prelude::*;
 use rockfall_math::lanes::Row;
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Quat, Vec3, rotation};
@@ -95,6 +95,11 @@ columns! {
     inverse_moments: Vec3 = Vec3::ZERO,
     /// Distance from the centre of mass to the farthest point, metres.
     radii: f32 = 0.0,
+    /// Radius of a ball that fits inside, metres; 0 for surfaces.
+    inners: f32 = 0.0,
+    /// Whether the body is a ball about its centre of mass, with the same inertia about all axes: turning it changes nothing that can
+    /// be seen.
+    balls: bool = false,
     /// Centre of mass in the frame of the shape, metres.
     centers: Vec3 = Vec3::ZERO,
     /// Linear and angular, 1/s.
@@ -111,7 +116,7 @@ columns! {
     rests: f32 = 0.0,
     /// How far outside of the surface a contact is made, metres.
     reaches: f32 = 0.0,
-    /// Way gone so far; see `crate::recall`.
+    /// Way gone so far, and what was added to the reach; see `crate::recall`.
     ways: u32 = 0,
     /// Way, in the same counts, that the body surely has left in its box.
     spares: u32 = 0,
@@ -135,15 +140,6 @@ impl Bodies {
         let rotation = self.rotations[row];
         let center = rotation::rotate(rotation, self.centers[row]);
         Pose { position: self.positions[row] - center.as_dvec3(), rotation }
-    }
-
-    /// Whether the body of a row is a ball about its centre of mass, with the same inertia about all axes: turning it changes nothing
-    /// that can be seen.
-    pub(crate) fn is_ball(&self, row: usize, shapes: &[Shape]) -> bool {
-        let shape = shapes.get(self.shapes[row] as usize);
-        let moments = self.inverse_moments[row];
-        let even = moments.x == moments.y && moments.y == moments.z && self.locks[row] >> 3 == 0;
-        matches!(shape, Some(Shape::Sphere { .. })) && self.centers[row] == Vec3::ZERO && even
     }
 
     /// Inverse inertia in world axes, locked rotations taken out.
@@ -199,6 +195,10 @@ pub(crate) struct Mass {
     pub(crate) frame: Quat,
     pub(crate) center: Vec3,
     pub(crate) radius: f32,
+    /// Radius of a ball that fits inside of the shape, metres; 0 for surfaces.
+    pub(crate) inner_radius: f32,
+    /// Whether the shape is a sphere.
+    pub(crate) sphere: bool,
 }
 
 impl BodyRow {
@@ -217,6 +217,8 @@ impl BodyRow {
         let locks = (0..3)
             .map(|i| bit(i, body.locks.linear[i]) | bit(3 + i, body.locks.angular[i]))
             .fold(0, |all, bits| all | bits);
+        let inverse_moments = if moves { mass.inverse_moments } else { Vec3::ZERO };
+        let even = inverse_moments == Vec3::splat(inverse_moments.x) && locks >> 3 == 0;
         BodyRow {
             ids: id,
             slots: slot,
@@ -225,8 +227,10 @@ impl BodyRow {
             rotations: rotation,
             lines: line,
             frames: mass.frame,
-            inverse_moments: if moves { mass.inverse_moments } else { Vec3::ZERO },
+            inverse_moments,
             radii: mass.radius,
+            inners: mass.inner_radius,
+            balls: mass.sphere && mass.center == Vec3::ZERO && even,
             centers: mass.center,
             dampings: [body.linear_damping, body.angular_damping],
             locks,

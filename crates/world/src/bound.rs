@@ -1,15 +1,17 @@
 //! Stage 2, **bound**: boxes for the broad phase.
 //!
-//! Reads poses and shapes; writes each moving body's way, reach, inverse inertia in world axes, role, and box, and tells which
+//! Reads poses and shapes; writes each moving body's way, to which counts what its reach grows by, reach, inverse inertia in world axes, role, and box, and tells which
 //! boxes are new. A box has room to move in: it stays until the body, with its reach, leaves it. How much of the room is left is counted
 //! down by the way that the body goes, so that bodies that hardly move need not be measured.
 
 use crate::bodies::{Bodies, State};
-use crate::recall::{CREEP, count_below, count_of, way};
+use crate::index::Turnover;
+use crate::recall::{LEAP, count_below, count_of, way};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
 use rockfall_math::{Aabb, Vec3};
 use rockfall_solve::line::Role;
+use std::collections::BTreeSet;
 use std::mem::take;
 
 /// Reach of a body at rest, as a share of its inner radius. Contacts are made before bodies touch, so that a pile's
@@ -26,13 +28,13 @@ const ROOM: f32 = 0.1;
 /// Room in a new box for motion, in steps.
 const STEPS: f32 = 3.0;
 
-/// Updates what follows from the poses. The result holds, row by row, whether the body has a new box; `all` renews every
-/// box.
+/// Updates what follows from the poses. The result holds, row by row, whether the body has a new box, as new and `stirred` ones always have.
 pub(crate) fn bound(
     bodies: &mut Bodies,
     shapes: &[Shape],
     settings: &Settings,
-    all: bool,
+    Turnover { fresh, all }: Turnover,
+    stirred: &BTreeSet<u32>,
     moved: &mut Vec<bool>,
 ) {
     moved.clear();
@@ -42,6 +44,7 @@ pub(crate) fn bound(
     let (mut lines, mut roles) = (take(&mut bodies.lines), take(&mut bodies.roles));
     let (mut ways, mut spares) = (take(&mut bodies.ways), take(&mut bodies.spares));
     let dt = 1.0 / settings.rate;
+    let first_fresh = bodies.rows() - fresh;
     (&mut boxes, &mut reaches, &mut lines, &mut roles, &mut ways, &mut spares, moved)
         .into_par_iter()
         .enumerate()
@@ -49,6 +52,7 @@ pub(crate) fn bound(
         .for_each(|(row, (old, reach, line, role, gone, spare, moved))| {
             let (kind, awake) = (bodies.kinds[row], bodies.states[row] == State::Awake);
             // A plane is infinitely large, and would seem to go any way by not turning at all.
+            let all = all || row >= first_fresh || stirred.contains(&(row as u32));
             if kind == Kind::Static && !all {
                 return;
             }
@@ -60,24 +64,25 @@ pub(crate) fn bound(
             if kind == Kind::Dynamic && (all || awake) {
                 line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
             }
-            let radius = if bodies.is_ball(row, shapes) { 0.0 } else { bodies.radii[row] };
-            let creep = if *role == Role::Free { CREEP } else { 0 };
-            let way = way(&bodies.drifts[row], radius).saturating_add(creep);
+            let radius = if bodies.balls[row] { 0.0 } else { bodies.radii[row] };
+            let way = way(&bodies.drifts[row], radius);
             *gone = gone.wrapping_add(way);
-            let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if !all && *role == Role::Still {
                 return;
             }
+            let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return };
             if kind == Kind::Static {
                 (*old, *moved) = (shape.placed_bounds(&bodies.shape_pose(row)), true);
                 return;
             }
-            // A kinematic surface has no inner radius, or an infinite one; its partners reach for it.
-            let inner = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
+            // A kinematic surface has none; its partners reach for it.
+            let inner = bodies.inners[row];
             let speed = line.velocity().length() + line.angular_velocity().length() * bodies.radii[row];
             let before = *reach;
             *reach = REACH * inner + (speed * dt).min(FAST_REACH * inner);
-            *spare = spare.saturating_sub(way).saturating_sub(count_of((*reach - before).max(0.0)));
+            let grown = count_of((*reach - before).max(0.0));
+            *gone = gone.wrapping_add(grown.min(LEAP - way));
+            *spare = spare.saturating_sub(way).saturating_sub(grown);
             if !all && *spare > 0 {
                 return;
             }

@@ -4,7 +4,6 @@
 
 use crate::bodies::Bodies;
 use rayon::prelude::*;
-use rockfall_math::Aabb;
 use rockfall_tree::Tree;
 
 /// The broad phase of a world. Items of both trees are rows.
@@ -25,24 +24,32 @@ impl Index {
     }
 }
 
-/// Brings the trees up to date; `rebuild` after rows have moved or come.
-pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], rebuild: bool) {
-    let area = |row: usize, mover: bool| {
-        if bodies.is_mover(row) == mover { bodies.boxes[row] } else { Aabb::EMPTY }
-    };
-    let boxes = |mover: bool| -> Vec<Aabb> {
-        (0..bodies.rows()).into_par_iter().with_min_len(1024).map(|row| area(row, mover)).collect()
+/// What became of the rows since the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Turnover {
+    /// Rows at the end are new.
+    pub(crate) fresh: usize,
+    /// Any row may be another one's now, or a body that never moves has come or was put somewhere else: all boxes and both trees are made anew.
+    pub(crate) all: bool,
+}
+
+/// Brings the trees up to date.
+pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], turnover: Turnover) {
+    let build = |movers: bool| {
+        let rows = (1..bodies.rows() as u32).into_par_iter();
+        let items: Vec<u32> = rows.filter(|&row| bodies.is_mover(row as usize) == movers).collect();
+        Tree::build_some(&items, |row| bodies.boxes[row])
     };
     let renewed = moved.par_iter().with_min_len(4096).filter(|&&m| m).count();
     index.worn += renewed;
-    if rebuild {
-        index.fixed = Tree::build(&boxes(false));
+    if turnover.all {
+        index.fixed = build(false);
     }
     // A refit tree answers the same queries, more slowly the further its items have gone.
-    if rebuild || index.worn > bodies.rows() {
-        index.movers = Tree::build(&boxes(true));
+    if turnover.all || turnover.fresh > 0 || index.worn > index.movers.len() {
+        index.movers = build(true);
         index.worn = 0;
     } else if renewed > 0 {
-        index.movers.refit_moved(moved, |row| area(row, true));
+        index.movers.refit_moved(moved, |row| bodies.boxes[row]);
     }
 }

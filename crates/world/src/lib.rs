@@ -17,6 +17,7 @@ mod report;
 mod settings;
 mod settle;
 mod sleep;
+mod slots;
 mod sweep;
 mod touch;
 mod touches;

@@ -43,8 +43,11 @@ pub(crate) fn sweep(bodies: &mut Bodies, around: Surroundings<'_>) {
         .into_par_iter()
         .with_min_len(512)
         .filter_map(|row| {
+            if !is_fast(bodies, row) {
+                return None;
+            }
             let shape = around.shapes.get(bodies.shapes[row] as usize)?;
-            is_fast(bodies, row, shape).then(|| Some((row, course(bodies, around, row, shape)?)))?
+            Some((row, course(bodies, around, row, shape)?))
         })
         .collect();
     for (row, Motion { translation, rotation, .. }) in stopped {
@@ -58,10 +61,10 @@ pub(crate) fn sweep(bodies: &mut Bodies, around: Surroundings<'_>) {
     }
 }
 
-fn is_fast(bodies: &Bodies, row: usize, shape: &Shape) -> bool {
+fn is_fast(bodies: &Bodies, row: usize) -> bool {
     let drift = &bodies.drifts[row];
     let far = drift.translation().length() + drift.rotation().length() * bodies.radii[row];
-    bodies.roles[row] == Role::Free && far > FAST * shape.inner_radius()
+    bodies.roles[row] == Role::Free && far > FAST * bodies.inners[row]
 }
 
 /// How the body of `row` moves in the step, if something immovable is in its way: up to that, and then along it, without
@@ -99,7 +102,7 @@ fn first_impact(
     let start = origin + left.start.point(left.center).as_dvec3();
     let end = start + left.translation.as_dvec3();
     // Boxes date from the start of the step; they have room for slow motion.
-    let room = bodies.radii[row] + FAST * shape.inner_radius();
+    let room = bodies.radii[row] + FAST * bodies.inners[row];
     let area = Aabb::around(start.min(end), start.max(end)).grown(room);
     let [group, mask] = bodies.filters[row];
     let mut near = Vec::new();
@@ -112,7 +115,7 @@ fn first_impact(
     };
     trees.movers.query(&area, &mut meet);
     trees.fixed.query(&area, &mut meet);
-    let target = STOP * shape.inner_radius();
+    let target = STOP * bodies.inners[row];
     near.into_iter()
         .filter_map(|other| {
             let b = shapes.get(bodies.shapes[other as usize] as usize)?;

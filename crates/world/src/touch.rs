@@ -6,14 +6,16 @@
 
 use crate::Shape;
 use crate::bodies::Bodies;
-use crate::recall::{Recall, looseness};
+use crate::recall::{Recall, leash};
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_collide::{Manifold as Local, collide};
 use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
 use rockfall_solve::line::Role;
-use rockfall_solve::{Contacts, Desk, FIXED, Found, Lane, Manifold, Memory, NO_COLOR, Surface, row_of};
+use rockfall_solve::{
+    Contacts, Desk, FIXED, Found, Lane, Leash, Manifold, Memory, NO_COLOR, Surface, row_of,
+};
 use std::sync::{Mutex, PoisonError};
 
 /// What changed in the contacts of a run.
@@ -122,16 +124,18 @@ pub(crate) struct Fresh {
 impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
     /// Whether what the pair at place `before` knows is still true enough, and its contacts are where they belong.
     fn stays(&self, run: &Run, key: u64, before: u32) -> bool {
-        let contacts = run.contacts(before);
-        let first = run.lanes[contacts].first();
-        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
-        if first.is_some_and(|lane| lane.is_parked() == self.is_active(key)) {
-            return false;
+        let (bodies, lanes) = (self.bodies, &run.lanes[run.contacts(before)]);
+        if let Some(first) = lanes.first() {
+            // What is parked does not follow.
+            return match (self.is_active(key), first.is_parked()) {
+                (true, false) => lanes.iter().all(|&lane| self.desk.may_follow(lane)),
+                (false, true) => at_rest(bodies, key),
+                _ => false,
+            };
         }
-        let bodies = self.bodies;
-        let margin = if first.is_none() { bodies.reaches[a] + bodies.reaches[b] } else { 0.0 };
-        let serves = run.recalls[before as usize].left(bodies.ways[a].wrapping_add(bodies.ways[b])) > margin;
-        serves || at_rest(bodies, key)
+        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+        run.recalls[before as usize].serves(bodies.ways[a].wrapping_add(bodies.ways[b]))
+            || at_rest(bodies, key)
     }
 
     /// Whether contacts move one of two bodies in this step.
@@ -191,7 +195,7 @@ impl Fresh {
         let (bodies, desk) = (look.bodies, look.desk);
         let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
         self.locals.clear();
-        meet(bodies, look.shapes, a, b, &mut recall, &mut self.locals);
+        let leash = meet(bodies, look.shapes, a, b, &mut recall, &mut self.locals);
         self.recalls.push(recall);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
@@ -211,6 +215,9 @@ impl Fresh {
                 // A colour goes with the rows that it is taken at, which may be those of copies.
                 (manifold.a, manifold.b, memory.color) = (old.a, old.b, known.color);
             }
+            // What was found before it bore any load is looked at once more: where flat shapes come to lie on each other, rounding decides
+            // what touches first. Two balls have only one way to touch.
+            let balls = bodies.balls[a] && bodies.balls[b];
             let contact = Found {
                 manifold,
                 memory,
@@ -218,7 +225,8 @@ impl Fresh {
                 offset: (bodies.positions[b] - bodies.positions[a]).as_vec3(),
                 active: look.is_active(key),
                 ordinal,
-                balls: bodies.is_ball(a, look.shapes) && bodies.is_ball(b, look.shapes),
+                balls,
+                leash: if source.is_some() || balls { leash } else { Leash::default() },
                 lane: source.map_or(Lane::NONE, |i| lanes[i]),
             };
             if source.is_none() || !desk.rewrite(&contact) {
@@ -279,19 +287,26 @@ fn rests(bodies: &Bodies, row: usize) -> bool {
     still && bodies.drifts[row].0.iter().all(|&x| x == 0.0)
 }
 
-/// Runs the pair function.
-fn meet(bodies: &Bodies, shapes: &[Shape], a: usize, b: usize, recall: &mut Recall, out: &mut Vec<Local>) {
+/// Runs the pair function. Returns for how long its contacts may follow the bodies.
+fn meet(
+    bodies: &Bodies,
+    shapes: &[Shape],
+    a: usize,
+    b: usize,
+    recall: &mut Recall,
+    out: &mut Vec<Local>,
+) -> Leash {
     let (Some(shape_a), Some(shape_b)) =
         (shapes.get(bodies.shapes[a] as usize), shapes.get(bodies.shapes[b] as usize))
     else {
-        return;
+        return Leash::default();
     };
     let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
     let margin = bodies.reaches[a] + bodies.reaches[b];
     let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
-    let balls = bodies.is_ball(a, shapes) && bodies.is_ball(b, shapes);
-    let serves = if out.is_empty() { apart } else { looseness(shape_a, shape_b, balls) };
-    recall.set(bodies.ways[a].wrapping_add(bodies.ways[b]), serves);
+    recall.set(bodies.ways[a].wrapping_add(bodies.ways[b]), apart - margin);
+    let balls = bodies.balls[a] && bodies.balls[b];
+    leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
 }
 
 fn is_finite(local: &Local) -> bool {

@@ -6,11 +6,13 @@
 
 use crate::recall::Recall;
 use rayon::prelude::*;
-use rockfall_math::room::make_room;
 use rockfall_solve::{Entry, FIXED, Lane, row_of};
 
 /// Pairs in a run that was just cut. It may grow to twice as many.
 const RUN: usize = 256;
+
+/// Runs whose pairs are appended to a long column at a time. What threads find is there twice while it is appended.
+const PIECE: usize = 1024;
 
 /// There was no such pair in the last step.
 pub(crate) const NEW: u32 = u32::MAX;
@@ -118,42 +120,41 @@ impl Touches {
     }
 
     /// Follows the bodies to their new rows, `u32::MAX` for those that are gone. Returns every contact with its new rows.
-    /// Column by column, so that only one of them is there twice.
+    ///
+    /// On the way everything is in a few long columns. Runs are many small vectors: with the new ones beside the old the allocator would hold
+    /// twice their room from then on.
     pub(crate) fn rename(&mut self, new_rows: &[u32]) -> Vec<Entry> {
-        let mut places: Vec<Place> = self
-            .runs
-            .par_iter_mut()
-            .enumerate()
-            .flat_map_iter(|(number, run)| {
+        let mut places: Vec<Place> = Vec::with_capacity(self.pairs());
+        for (piece, runs) in self.runs.chunks_mut(PIECE).enumerate() {
+            places.par_extend(runs.par_iter_mut().enumerate().flat_map_iter(|(i, run)| {
                 let keys = std::mem::take(&mut run.keys);
                 keys.into_iter().zip(0..).filter_map(move |(key, pair)| {
                     let key = renamed(key, new_rows)?;
-                    Some(Place { key, run: number as u32, pair })
+                    Some(Place { key, run: (piece * PIECE + i) as u32, pair })
                 })
-            })
-            .collect();
+            }));
+        }
         places.par_sort_unstable_by_key(|place| place.key);
 
-        let runs = &self.runs;
-        let of = |place: &Place| &runs[place.run as usize];
-        let keys = gather(&places, |place| [place.key]);
-        let recalls = gather(&places, |place| [of(place).recalls[place.pair as usize]]);
-        let lanes = gather(&places, |place| of(place).lanes[of(place).contacts(place.pair)].iter().copied());
-        let firsts = places.par_chunks(RUN).map(|places| {
-            let mut first = 0;
-            let ends = places.iter().map(|place| {
-                first += of(place).contacts(place.pair).len() as u32;
-                first
-            });
-            std::iter::once(0).chain(ends).collect()
-        });
-        let firsts: Vec<Vec<u32>> = firsts.collect();
-        drop(places);
-        self.runs = (keys, recalls, lanes, firsts)
+        let run_of = |place: &Place| &self.runs[place.run as usize];
+        let recalls: Vec<Recall> =
+            places.par_iter().map(|place| run_of(place).recalls[place.pair as usize]).collect();
+        let mut entries: Vec<Entry> = Vec::with_capacity(self.runs.iter().map(|run| run.lanes.len()).sum());
+        for places in places.chunks(PIECE * RUN) {
+            entries.par_extend(places.par_iter().flat_map_iter(|place| {
+                let (a, b) = rows(place.key);
+                let run = run_of(place);
+                run.lanes[run.contacts(place.pair)].iter().map(move |&lane| Entry { lane, a, b })
+            }));
+        }
+        self.runs = Vec::new();
+        self.runs = (places.par_chunks(RUN), recalls.par_chunks(RUN))
             .into_par_iter()
-            .map(|(keys, recalls, lanes, firsts)| Run { keys, befores: Vec::new(), firsts, recalls, lanes })
+            .map(|(places, recalls)| {
+                Run::of(places.iter().map(|place| place.key).collect(), recalls, &entries)
+            })
             .collect();
-        self.entries()
+        entries
     }
 
     /// Every contact with its rows, in the order of the keys. Not between [`crate::pair`] and [`crate::touch`].
@@ -174,6 +175,21 @@ impl Touches {
 }
 
 impl Run {
+    /// A run of pairs with these keys, whose contacts are somewhere among `entries`, which are in the order of the keys.
+    fn of(keys: Vec<u64>, recalls: &[Recall], entries: &[Entry]) -> Self {
+        let key_of = |entry: &Entry| u64::from(entry.a) << 32 | u64::from(entry.b);
+        let start = keys.first().map_or(0, |&first| entries.partition_point(|entry| key_of(entry) < first));
+        let mut next = start;
+        let mut firsts = Vec::with_capacity(keys.len() + 1);
+        firsts.push(0);
+        for &key in &keys {
+            next += entries[next..].iter().take_while(|entry| key_of(entry) == key).count();
+            firsts.push((next - start) as u32);
+        }
+        let lanes = entries[start..next].iter().map(|entry| entry.lane).collect();
+        Run { keys, befores: Vec::new(), firsts, recalls: recalls.to_vec(), lanes }
+    }
+
     /// Each contact's key and lane.
     fn entries(&self) -> impl Iterator<Item = (u64, Lane)> + '_ {
         (0_u32..)
@@ -194,20 +210,6 @@ struct Place {
     key: u64,
     run: u32,
     pair: u32,
-}
-
-/// A column of new runs: what each of their pairs brings.
-fn gather<T: Send, I: IntoIterator<Item = T>>(
-    places: &[Place],
-    of: impl Fn(&Place) -> I + Sync,
-) -> Vec<Vec<T>> {
-    let column = |places: &[Place]| {
-        let mut column: Vec<T> = places.iter().flat_map(&of).collect();
-        let len = column.len();
-        make_room(&mut column, len);
-        column
-    };
-    places.par_chunks(RUN).map(column).collect()
 }
 
 /// Appends a run to the one before it.
@@ -266,12 +268,8 @@ mod tests {
         let arrival = rockfall_solve::Found {
             manifold,
             memory: rockfall_solve::Memory { color: 0, ..Default::default() },
-            surface: rockfall_solve::Surface::default(),
-            offset: rockfall_math::Vec3::ZERO,
             active: true,
-            ordinal: 0,
-            balls: false,
-            lane: Lane::NONE,
+            ..Default::default()
         };
         let mut arrivals = vec![vec![arrival; count]];
         contacts.place(&mut arrivals);

@@ -9,6 +9,7 @@ use crate::bodies::{Bodies, State};
 use crate::index::Index;
 use crate::link::Islands;
 use crate::measure::Sums;
+use crate::slots::Slots;
 use crate::touch::Fresh;
 use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
@@ -16,7 +17,7 @@ use rockfall_math::lanes::Width;
 use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::MassProperties;
 use rockfall_solve::Contacts;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// A shape of a [`World`], shared by any number of bodies.
@@ -86,12 +87,12 @@ pub struct World {
     width: Width,
     pool: Arc<rayon::ThreadPool>,
     shapes: Vec<Shape>,
-    /// Mass properties of each shape at 1 kg/m³; shapes without an inside have none.
-    masses: Vec<Option<MassProperties>>,
+    /// Mass properties of hulls at 1 kg/m³, by shape; those of others are found quickly.
+    masses: BTreeMap<usize, MassProperties>,
     materials: Vec<Material>,
     bodies: Bodies,
     /// Slots by id, of bodies that are alive.
-    slots: HashMap<u64, u32>,
+    slots: Slots,
     /// Row of each slot.
     rows: Vec<u32>,
     /// Slots of bodies that were removed, for others.
@@ -131,10 +132,10 @@ impl World {
             width: Width::new(settings.lanes),
             pool: Arc::new(pool),
             shapes: Vec::new(),
-            masses: Vec::new(),
+            masses: BTreeMap::new(),
             materials: Vec::new(),
             bodies: Bodies::new(),
-            slots: HashMap::new(),
+            slots: Slots::default(),
             rows: Vec::new(),
             vacant: Vec::new(),
             sorted: OnceLock::new(),
@@ -164,7 +165,9 @@ impl World {
     /// [`Error::Shape`] says what is wrong with it.
     pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId, Error> {
         shape.validate()?;
-        self.masses.push(shape.mass_properties(1.0));
+        if let (Shape::Hull(_), Some(mass)) = (&shape, shape.mass_properties(1.0)) {
+            self.masses.insert(self.shapes.len(), mass);
+        }
         self.shapes.push(shape);
         Ok(ShapeId(self.shapes.len() as u32 - 1))
     }
@@ -186,11 +189,11 @@ impl World {
 
     /// Whether there is no body.
     pub fn is_empty(&self) -> bool {
-        self.slots.is_empty()
+        self.len() == 0
     }
 
     fn row(&self, id: BodyId) -> Result<usize, Error> {
-        self.slots.get(&id.0).map(|&slot| self.rows[slot as usize] as usize).ok_or(Error::NoBody(id))
+        self.slots.get(id.0).map(|slot| self.rows[slot as usize] as usize).ok_or(Error::NoBody(id))
     }
 
     fn wake(&mut self, row: usize) {

@@ -5,7 +5,7 @@ mod common;
 use common::{Stage, frames, rubs};
 use rockfall::math::hash::mix;
 use rockfall::math::{DVec3, Isometry, Pose, Quat, Vec3};
-use rockfall::{Kind, Shape, shape};
+use rockfall::{Body, BodyId, Kind, Shape, shape};
 use rockfall_collide::distance;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ fn pile(count: usize) -> Stage {
     let random = |i: usize, k: u64| (mix(i as u64 * 16 + k) >> 40) as f32 / (1 << 24) as f32 - 0.5;
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
         let wall = stage.shape(Shape::HalfSpace { normal, offset: -2.0 });
-        let body = rockfall::Body::fixed(wall, stage.material, Pose::default());
+        let body = Body::fixed(wall, stage.material, Pose::default());
         stage.put(body);
     }
     for i in 0..count {
@@ -100,4 +100,29 @@ fn a_body_put_elsewhere_forgets() {
             "{aside}: {nearest}"
         );
     }
+}
+
+/// Promise: a body that comes, or a static one that is put somewhere, is found by what rests there, in the same step.
+#[test]
+fn what_comes_late_is_found() {
+    let mut stage = Stage::on_ground(frames(), rubs(0.6, 0.0));
+    let cube = stage.cuboid(0.5, 0.5, 0.5);
+    let first = stage.put(stage.body(cube, common::at(0.0, 0.0, 0.5)));
+    stage.steps(30);
+    let touch = |stage: &Stage, other: BodyId| {
+        stage.world.contacts().any(|c| (c.a == first && c.b == other) || (c.a == other && c.b == first))
+    };
+    let on_top = stage.put(stage.body(cube, common::at(0.0, 0.0, 1.5)));
+    stage.steps(1);
+    assert!(touch(&stage, on_top));
+    let wall = stage.put(Body::fixed(cube, stage.material, common::at(1.0, 0.0, 0.5)));
+    stage.steps(1);
+    assert!(touch(&stage, wall) && touch(&stage, on_top));
+    stage.world.set_pose(wall, common::at(9.0, 0.0, 0.5)).expect("a pose");
+    stage.steps(1);
+    assert!(!touch(&stage, wall));
+    stage.world.set_pose(wall, common::at(-1.0, 0.0, 0.5)).expect("a pose");
+    stage.steps(1);
+    assert!(touch(&stage, wall));
+    assert!(stage.position(first).x.abs() < 1e-3, "{}", stage.position(first));
 }

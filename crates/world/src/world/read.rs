@@ -160,6 +160,6 @@ impl World {
             + self.contacts.memory()
             + self.moved.capacity()
             + (self.rows.capacity() + self.vacant.capacity()) * size_of::<u32>()
-            + self.slots.capacity() * (size_of::<(u64, u32)>() + 1)
+            + self.slots.memory()
     }
 }

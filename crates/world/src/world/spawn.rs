@@ -11,7 +11,7 @@ impl World {
     /// # Errors
     /// Says what is wrong with the body; the world is left as it was.
     pub fn spawn(&mut self, body: Body) -> Result<BodyId, Error> {
-        let (id, mass) = self.admit(&body, |id| self.slots.contains_key(&id), self.next_id)?;
+        let (id, mass) = self.admit(&body, |id| self.slots.get(id).is_some(), self.next_id)?;
         self.enter(body, id, &mass);
         Ok(BodyId(id))
     }
@@ -27,7 +27,7 @@ impl World {
         let mut next = self.next_id;
         for body in &bodies {
             let (id, mass) =
-                self.admit(body, |id| self.slots.contains_key(&id) || taken.contains(&id), next)?;
+                self.admit(body, |id| self.slots.get(id).is_some() || taken.contains(&id), next)?;
             taken.insert(id);
             next = next.max(id.saturating_add(1));
             admitted.push((id, mass));
@@ -75,11 +75,14 @@ impl World {
             .materials
             .get(body.material.index())
             .ok_or(Error::Unknown { what: "material", index: body.material.0 })?;
+        let sphere = matches!(shape, crate::Shape::Sphere { .. });
+        let inner_radius = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
         if body.kind != Kind::Dynamic {
-            let center = Vec3::ZERO;
-            return Ok(Mass { center, radius: shape.radius_about(center), ..Mass::default() });
+            let radius = shape.radius_about(Vec3::ZERO);
+            return Ok(Mass { radius, inner_radius, sphere, ..Mass::default() });
         }
-        let solid = self.masses[index].filter(|_| shape.is_convex() && shape.has_inside());
+        let unit = self.masses.get(&index).copied().or_else(|| shape.mass_properties(1.0));
+        let solid = unit.filter(|_| shape.is_convex() && shape.has_inside());
         let unit = solid.ok_or(Error::Immovable { shape: shape.name() })?;
         let mut mass = unit.with_mass(unit.mass * material.density);
         if let Some(other) = &body.mass {
@@ -120,6 +123,8 @@ impl World {
             frame,
             center: mass.center,
             radius: shape.radius_about(mass.center),
+            inner_radius,
+            sphere,
         })
     }
 
@@ -130,7 +135,7 @@ impl World {
     pub fn remove(&mut self, id: BodyId) -> Result<(), Error> {
         let row = self.row(id)?;
         self.bodies.states[row] = State::Dead;
-        self.vacant.extend(self.slots.remove(&id.0));
+        self.vacant.extend(self.slots.remove(id.0));
         self.names.remove(&id.0);
         self.sorted.take();
         Ok(())

@@ -33,21 +33,21 @@ impl World {
         let World { islands, contacts, rooms, moved, sums, report, .. } = self;
         let mut clock = Clock::new();
 
-        let renamed = apply(bodies, touches, contacts, self.fresh, &self.stirred, report.step);
-        if renamed {
-            for (&slot, row) in bodies.slots.iter().zip(0..).skip(1) {
-                self.rows[slot as usize] = row;
-            }
+        let turnover = apply(bodies, touches, contacts, self.fresh, &self.stirred, report.step);
+        let renamed = if turnover.all { 1 } else { bodies.rows() - turnover.fresh };
+        for (&slot, row) in bodies.slots.iter().zip(0..).skip(renamed) {
+            self.rows[slot as usize] = row;
+        }
+        if renamed < bodies.rows() {
             self.sorted.take();
         }
-        let all = renamed || !self.stirred.is_empty();
+        clock.lap();
+
+        bound(bodies, shapes, settings, turnover, &self.stirred, moved);
         self.stirred.clear();
         self.fresh = 0;
         clock.lap();
-
-        bound(bodies, shapes, settings, all, moved);
-        clock.lap();
-        index(trees, bodies, moved, all);
+        index(trees, bodies, moved, turnover);
         clock.lap();
         pair(touches, bodies, trees, moved);
         clock.lap();
