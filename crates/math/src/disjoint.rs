@@ -89,20 +89,16 @@ impl<'a, T> DisjointRows<'a, T> {
         assert!((last as usize) < self.len);
     }
 
-    /// Asks the processor to bring a row to the nearest cache, since it is needed soon. Does nothing where there is no such row, and where the
-    /// processor is not an x86.
+    /// Asks the processor to bring a row to the nearest cache, since it is needed soon. Does nothing that a program could see, whether or not
+    /// there is such a row, and nothing at all where the processor is not an x86.
     #[inline(always)]
     pub fn fetch(&self, i: usize) {
         #[cfg(target_arch = "x86_64")]
-        if i < self.len {
-            let lines = size_of::<T>().div_ceil(LINE);
-            for line in 0..lines {
-                // SAFETY: `i` is in bounds; the instruction reads nothing that a program could see, whatever other threads write.
-                unsafe {
-                    use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-                    _mm_prefetch::<_MM_HINT_T0>(self.rows.add(i).cast::<i8>().add(line * LINE));
-                }
-            }
+        for line in 0..size_of::<T>().div_ceil(LINE) {
+            use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let address = self.rows.wrapping_add(i).cast::<i8>().wrapping_add(line * LINE);
+            // SAFETY: the instruction faults at no address and reads nothing, whatever other threads write.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
         }
     }
 

@@ -39,6 +39,8 @@ pub trait Lanes:
     fn lt(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Bit i tells whether the mask holds in lane i.
+    fn bits(mask: Self::Mask) -> u16;
     /// Transposes `WIDTH` rows: lane i of column k is `row(i)[k]`.
     fn gather<'a>(token: Self::Token, row: impl Fn(usize) -> &'a Row) -> [Self; 8];
     /// The opposite of [`Lanes::gather`]: calls `row` once for each lane.
@@ -87,6 +89,10 @@ impl Lanes for f32 {
         if mask { yes } else { no }
     }
     #[inline(always)]
+    fn bits(mask: bool) -> u16 {
+        mask.into()
+    }
+    #[inline(always)]
     fn gather<'a>(_: (), row: impl Fn(usize) -> &'a Row) -> [Self; 8] {
         *row(0)
     }
@@ -126,6 +132,10 @@ macro_rules! vector_lanes {
         #[inline(always)]
         fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
             mask.select(yes, no)
+        }
+        #[inline(always)]
+        fn bits(mask: Self::Mask) -> u16 {
+            mask.to_bitmask() as u16
         }
     };
 }
@@ -218,6 +228,8 @@ mod tests {
                     assert_eq!(x, table[pick(lane)][k]);
                 }
             }
+            let above = L::bits(L::splat(token, 12.0).lt(columns[0]));
+            assert!((0..16).all(|i| (above >> i & 1 == 1) == (i < L::WIDTH && pick(i) * 8 > 12)));
             let mut seen = 0;
             L::scatter(columns, |lane, row| {
                 assert_eq!(row, table[pick(lane)]);

@@ -85,6 +85,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
                 (block.a[lane], block.b[lane]) = (a, b);
             }
         });
+        self.follows = vec![0; keys.len()];
         (self.keys, self.colds) = (keys, numbers);
     }
 }

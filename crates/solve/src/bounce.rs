@@ -16,7 +16,7 @@ use crate::contacts::Contacts;
 use crate::iterate::rub;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::sweep::{Beside, BodyLanes, Rows, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
@@ -57,8 +57,9 @@ impl Visit for Bounce {
         &Span { one_sided, .. }: &Span,
     ) {
         let Some(cold) = cold else { return };
-        let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
-        let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        let mut a = BodyLanes::gather(token, rows, &block.a, k, Take::Whole);
+        let take = if one_sided { Take::Fixed } else { Take::Whole };
+        let mut b = BodyLanes::gather(token, rows, &block.b, k, take);
         let normal: Lanes3<L> = load3(token, &block.normal, k);
         let offset: Lanes3<L> = load3(token, &block.offset, k);
         let zero = L::splat(token, 0.0);

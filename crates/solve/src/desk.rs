@@ -75,15 +75,16 @@ struct Open<'a, const P: usize, const T: usize> {
     blocks: Words<'a>,
     names: Words<'a>,
     slacks: Words<'a>,
+    follows: &'a [u16],
     keys: &'a [Key],
     colds: &'a [u32],
 }
 
 impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
     fn new(shelf: &'a mut Shelf<P, T>) -> Self {
-        let Shelf { blocks, names, slacks, keys, colds } = shelf;
+        let Shelf { blocks, names, slacks, follows, keys, colds } = shelf;
         let (blocks, names, slacks) = (Words::new(blocks), Words::new(names), Words::new(slacks));
-        Open { blocks, names, slacks, keys, colds }
+        Open { blocks, names, slacks, follows, keys, colds }
     }
 
     fn get(&self, at: Lane) -> Single<P, T> {
@@ -115,7 +116,7 @@ impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
     }
 
     fn may_follow(&self, at: Lane) -> bool {
-        f32::from_bits(self.slacks.row(at.block())[0][at.lane()].load(Relaxed)) > 0.0
+        self.follows[at.block()] >> at.lane() & 1 == 1
     }
 }
 
@@ -355,6 +356,21 @@ mod tests {
         let mut again = vec![vec![arrival(1, 3, 4, 0, false)]];
         contacts.place(&mut again);
         assert_eq!(again[0][0].lane, old.lane);
+    }
+
+    #[test]
+    fn contacts_are_sparse_when_many_have_ended() {
+        let mut contacts = Contacts::default();
+        let mut arrivals =
+            vec![(0..160).map(|i| arrival(1 + 2 * i, 2 + 2 * i, 1, 0, false)).collect::<Vec<_>>()];
+        contacts.place(&mut arrivals);
+        assert!(!contacts.is_sparse());
+        // Half a block may be idle, and a twelfth of all beyond that: 8 and 13 of 160.
+        let lanes: Vec<Lane> = arrivals[0].iter().map(|arrival| arrival.lane).collect();
+        contacts.free(&lanes[..21]);
+        assert!(!contacts.is_sparse());
+        contacts.free(&lanes[21..22]);
+        assert!(contacts.is_sparse());
     }
 
     #[test]

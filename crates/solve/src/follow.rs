@@ -6,7 +6,7 @@
 //! What makes that untrue in time is the motion of one body relative to the other, and it is counted off what they may go
 //! ([`crate::desk::Leash`]). What both have in common, as two stones of a heap that slides, does no harm but to second order.
 
-use crate::block::{Block, Column3, load, load3, store, tangents};
+use crate::block::{Block, Column3, LANES, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::plan::Span;
@@ -35,28 +35,31 @@ impl Visit for Follow {
         token: L::Token,
         rows: &Rows<'_>,
         block: &mut Block<P, T>,
-        Beside { slack, .. }: Beside<'_>,
+        Beside { slack, follows, .. }: Beside<'_>,
         k: usize,
         span: &Span,
     ) {
-        if span.class == Class::Ball {
-            follow_balls::<L, P, T>(token, rows, block, slack, k);
+        let way = if span.class == Class::Ball {
+            follow_balls::<L, P, T>(token, rows, block, k)
         } else {
-            follow_points::<L, P, T>(token, rows, block, slack, k);
-        }
+            follow_points::<L, P, T>(token, rows, block, slack, k)
+        };
+        let left = load::<L>(token, &slack.left, k) - way - L::splat(token, CREEP);
+        store(left, &mut slack.left, k);
+        let these = (u16::MAX >> (LANES - L::WIDTH)) << k;
+        *follows = *follows & !these | L::bits(L::splat(token, 0.0).lt(left)) << k;
     }
 }
 
 /// The contact of two balls stays between their centres, however they turn. Its distance changes by |c + Δ| − |c|, with the way c
-/// between the centres, in a form that loses nothing where Δ is small.
+/// between the centres, in a form that loses nothing where Δ is small. Returns how far the two have moved relative to each other.
 #[inline(always)]
 fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     rows: &Rows<'_>,
     block: &mut Block<P, T>,
-    slack: &mut Slack,
     k: usize,
-) {
+) -> L {
     let half = L::splat(token, 0.5);
     let (move_a, _) = gather_drift::<L>(token, rows, &block.a, k);
     let (move_b, _) = gather_drift::<L>(token, rows, &block.b, k);
@@ -89,19 +92,19 @@ fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     }
     let gap = open::<L, P, T>(token, block, k);
     store3(after - normal.scale(gap), &mut block.offset, k);
-    give(token, slack, moved.dot(moved).sqrt(), k);
     turn_friction::<L, P, T>(token, block, k, (before, normal));
+    moved.dot(moved).sqrt()
 }
 
-/// Points between flat surfaces keep their places on both.
+/// Points between flat surfaces keep their places on both. Returns how far those have moved relative to each other, at most.
 #[inline(always)]
 fn follow_points<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     rows: &Rows<'_>,
     block: &mut Block<P, T>,
-    slack: &mut Slack,
+    slack: &Slack,
     k: usize,
-) {
+) -> L {
     let zero = L::splat(token, 0.0);
     let half = L::splat(token, 0.5);
     let (move_a, turn_a) = gather_drift::<L>(token, rows, &block.a, k);
@@ -122,7 +125,7 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     let (turn, lever) = (turn_b - turn_a, load::<L>(token, &slack.levers, k));
     let length = |v: Lanes3<L>| v.dot(v).sqrt();
     let bent = half * (turn_a.dot(turn_a) * length(first) + turn_b.dot(turn_b) * length(first - from_b));
-    give(token, slack, length(slid) + lever * length(turn) + bent, k);
+    let way = length(slid) + lever * length(turn) + bent;
     let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
     for (p, to) in arms.iter_mut().enumerate() {
         let arm = load3(token, &block.arms[p], k) + back;
@@ -140,13 +143,7 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     }
     store3(from_b + moved - normal.scale(gap), &mut block.offset, k);
     turn_friction::<L, P, T>(token, block, k, (before, normal));
-}
-
-/// Takes a way off what two bodies may go.
-#[inline(always)]
-fn give<L: Lanes>(token: L::Token, slack: &mut Slack, way: L, k: usize) {
-    let left = load::<L>(token, &slack.left, k) - way - L::splat(token, CREEP);
-    store(left, &mut slack.left, k);
+    way
 }
 
 /// Turns the normal, and expresses the friction impulse in its new tangents.
@@ -221,7 +218,12 @@ mod tests {
         bodies.drifts[1..].copy_from_slice(&[a, b]);
         follow(&mut contacts, &mut bodies.columns(), width);
         let (manifold, memory) = contacts.read(arrivals[0][0].lane);
-        let slack = if balls { &contacts.ball.slacks[0] } else { &contacts.two.slacks[0] };
+        let (slack, follows) = if balls {
+            (&contacts.ball.slacks[0], contacts.ball.follows[0])
+        } else {
+            (&contacts.two.slacks[0], contacts.two.follows[0])
+        };
+        assert_eq!(follows & 1 == 1, slack.left[0] > 0.0);
         (manifold, memory, slack.left[0])
     }
 
@@ -304,5 +306,7 @@ mod tests {
         let bent = 0.5 * turn.length_squared() * arm_b.length();
         close(used(Drift::default(), about_first, false), 0.4 * turn.length() + bent);
         close(used(drift(way, turn), drift(way + slide, -turn), true), 0.01);
+        // Farther than the leash reaches.
+        close(used(drift(way, turn), drift(way + 20.0 * slide, -turn), true), 0.2);
     }
 }

@@ -18,7 +18,7 @@ use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::plan::Span;
 use crate::soft::{Softness, SubStep};
-use crate::sweep::{Beside, BodyLanes, Rows, Symmetric, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Symmetric, Take, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
@@ -61,10 +61,12 @@ impl<const RELAX: bool> Visit for Iterate<RELAX> {
         span: &Span,
     ) {
         let (step, one_sided) = (&self.step, span.one_sided);
-        let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
-        let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        let plain_balls = P == 1 && span.is_of_plain_balls();
+        let take = if plain_balls { Take::Motion } else { Take::Whole };
+        let mut a = BodyLanes::gather(token, rows, &block.a, k, take);
+        let mut b = BodyLanes::gather(token, rows, &block.b, k, if one_sided { Take::Fixed } else { take });
         let bodies = (&mut a, &mut b);
-        if P == 1 && span.is_of_plain_balls() {
+        if plain_balls {
             iterate_balls::<L, P, T, RELAX>(token, step, rows, block, k, one_sided, bodies);
         } else {
             let normal: Lanes3<L> = load3(token, &block.normal, k);

@@ -203,6 +203,9 @@ pub(crate) struct Shelf<const P: usize, const T: usize> {
     pub(crate) blocks: Vec<Block<P, T>>,
     pub(crate) names: Vec<Names<P>>,
     pub(crate) slacks: Vec<Slack>,
+    /// Which contacts of each block may go on following their bodies, a bit each, when they have followed them into this step. By pair they are
+    /// asked for in no order of memory; two bytes a block stay in a cache, its slack does not.
+    pub(crate) follows: Vec<u16>,
     pub(crate) keys: Vec<Key>,
     /// Number of each block's cold half, or [`HOT`].
     pub(crate) colds: Vec<u32>,
@@ -214,6 +217,7 @@ impl<const P: usize, const T: usize> Default for Shelf<P, T> {
             blocks: Vec::new(),
             names: Vec::new(),
             slacks: Vec::new(),
+            follows: Vec::new(),
             keys: Vec::new(),
             colds: Vec::new(),
         }
@@ -253,6 +257,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
         self.blocks.push(Block::IDLE);
         self.names.push(Names::IDLE);
         self.slacks.push(Slack::IDLE);
+        self.follows.push(0);
         self.keys.push(key);
         self.colds.push(cold);
         len as u32 - 1
@@ -262,6 +267,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
         self.blocks.capacity() * size_of::<Block<P, T>>()
             + self.names.capacity() * size_of::<Names<P>>()
             + self.slacks.capacity() * size_of::<Slack>()
+            + self.follows.capacity() * size_of::<u16>()
             + self.keys.capacity() * size_of::<Key>()
             + self.colds.capacity() * size_of::<u32>()
     }

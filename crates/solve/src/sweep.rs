@@ -33,6 +33,8 @@ impl<'a> Rows<'a> {
 pub(crate) struct Beside<'a> {
     pub(crate) cold: Option<&'a mut Cold>,
     pub(crate) slack: &'a mut Slack,
+    /// See [`Shelf::follows`].
+    pub(crate) follows: &'a mut u16,
 }
 
 /// What a sweep does to `L::WIDTH` lanes of a block, from lane `k` on.
@@ -148,13 +150,15 @@ pub(crate) fn over_all<V: Visit>(
 struct Blocks<'a, const P: usize, const T: usize> {
     blocks: DisjointRows<'a, Block<P, T>>,
     slacks: DisjointRows<'a, Slack>,
+    follows: DisjointRows<'a, u16>,
     colds: &'a [u32],
 }
 
 impl<'a, const P: usize, const T: usize> Blocks<'a, P, T> {
     fn new(shelf: &'a mut Shelf<P, T>) -> Self {
-        let Shelf { blocks, slacks, colds, .. } = shelf;
-        Blocks { blocks: DisjointRows::new(blocks), slacks: DisjointRows::new(slacks), colds }
+        let Shelf { blocks, slacks, follows, colds, .. } = shelf;
+        let (blocks, slacks) = (DisjointRows::new(blocks), DisjointRows::new(slacks));
+        Blocks { blocks, slacks, follows: DisjointRows::new(follows), colds }
     }
 }
 
@@ -215,11 +219,13 @@ impl<V: Visit> OverSpans<'_, '_, V> {
         if let Some(block) = span.ahead(i, 1, after) {
             // SAFETY: as in `over`: the spans are this thread's for now, and no other reference to one of their blocks is alive.
             let Block { a, b, .. } = unsafe { shelf.blocks.get(block) };
-            for &row in a.iter().chain(b) {
-                if V::LINES {
-                    self.rows.lines.fetch(row as usize);
+            for rows in [a, b] {
+                for &row in rows {
+                    if V::LINES {
+                        self.rows.lines.fetch(row as usize);
+                    }
+                    self.rows.drifts.fetch(row as usize);
                 }
-                self.rows.drifts.fetch(row as usize);
             }
         }
     }
@@ -236,7 +242,8 @@ impl<V: Visit> OverSpans<'_, '_, V> {
             self.fetch(i, span, after, shelf);
             // SAFETY: spans don't share blocks but those of contacts that are solved one by one, and each span is visited by one thread
             // at a time.
-            let (block, slack) = unsafe { (shelf.blocks.row(i), shelf.slacks.row(i)) };
+            let (block, slack, follows) =
+                unsafe { (shelf.blocks.row(i), shelf.slacks.row(i), shelf.follows.row(i)) };
             let cold = if span.cold { cold_of(shelf.colds, i) } else { None };
             // SAFETY: likewise; every cold half belongs to one block.
             let mut cold = cold.map(|cold| unsafe { self.shelves.colds.row(cold) });
@@ -246,7 +253,7 @@ impl<V: Visit> OverSpans<'_, '_, V> {
                 if block.a[k..k + L::WIDTH].iter().all(|&a| a == 0) {
                     continue;
                 }
-                let beside = Beside { cold: cold.as_deref_mut(), slack: &mut *slack };
+                let beside = Beside { cold: cold.as_deref_mut(), slack: &mut *slack, follows: &mut *follows };
                 self.visit.visit::<L, P, T>(token, self.rows, block, beside, k, span);
             }
         }
@@ -260,6 +267,17 @@ pub(crate) struct BodyLanes<L> {
     pub(crate) inverse_mass: L,
     pub(crate) gravity_scale: L,
     pub(crate) inverse_inertia: Symmetric<L>,
+}
+
+/// What a contact needs of its bodies.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Take {
+    /// All.
+    Whole,
+    /// All but the inverse inertia, which is zero then: plain balls have it in the block.
+    Motion,
+    /// Velocities, of bodies that contacts can't move: their inverse mass and inertia are zero.
+    Fixed,
 }
 
 /// A symmetric matrix in each lane.
@@ -278,21 +296,21 @@ impl<L: Lanes> Symmetric<L> {
 }
 
 impl<L: Lanes> BodyLanes<L> {
-    /// Reads the bodies `index[k..]`. Bodies that contacts can't move keep an inverse inertia of zero.
+    /// Reads the bodies `index[k..]`.
     #[inline(always)]
     pub(crate) fn gather(
         token: L::Token,
         rows: &Rows<'_>,
         index: &[u32; LANES],
         k: usize,
-        movable: bool,
+        take: Take,
     ) -> Self {
         rows.lines.has(&index[k..k + L::WIDTH]);
         // SAFETY: all of these rows are there. Within a layer no other thread writes a body of these lanes; bodies that can't be moved
         // are written by none.
         let line = |i: usize| unsafe { rows.lines.get_unchecked(index[k + i] as usize) };
         let [vx, vy, vz, wx, wy, wz, inverse_mass, gravity_scale] = L::gather(token, |i| &line(i).motion);
-        let inverse_inertia = if movable {
+        let inverse_inertia = if take == Take::Whole {
             let [xx, xy, xz, yy, yz, zz, _, _] = L::gather(token, |i| &line(i).inertia);
             Symmetric([xx, xy, xz, yy, yz, zz])
         } else {
@@ -301,7 +319,7 @@ impl<L: Lanes> BodyLanes<L> {
         BodyLanes {
             v: Lanes3::new(vx, vy, vz),
             w: Lanes3::new(wx, wy, wz),
-            inverse_mass: if movable { inverse_mass } else { L::splat(token, 0.0) },
+            inverse_mass: if take == Take::Fixed { L::splat(token, 0.0) } else { inverse_mass },
             gravity_scale,
             inverse_inertia,
         }

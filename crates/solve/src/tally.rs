@@ -55,26 +55,33 @@ fn tally<const P: usize, const T: usize>(shelf: &Shelf<P, T>) -> Tally {
     blocks.fold(Tally::default, count).reduce(Tally::default, Tally::and)
 }
 
+/// 2⁵². Added to a number and taken off again, it leaves a whole number.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// Adds a block. Lane by lane up to the end, so that a compiler can do many lanes at once; the sums of whole numbers are exact.
 fn count<const P: usize, const T: usize>(
     mut tally: Tally,
     (block, names): (&Block<P, T>, &Names<P>),
 ) -> Tally {
     let mut least = [f32::INFINITY; LANES];
-    for (p, distances) in block.distances.iter().enumerate() {
-        let used = names.counts.map(|count| count as usize > p);
-        for ((least, &distance), used) in least.iter_mut().zip(distances).zip(used) {
-            *least = if used && distance < *least { distance } else { *least };
-            let overlap = if used && distance < 0.0 { -distance } else { 0.0 };
-            tally.overlapping += usize::from(overlap > 0.0);
-            tally.overlap = tally.overlap.saturating_add((1e9 * f64::from(overlap)) as u64);
-        }
+    let mut overlaps = [0.0_f64; LANES];
+    let mut overlapping = [0_u32; LANES];
+    for (distances, point) in block.distances.iter().zip(0..) {
+        let used = |lane: usize| if names.counts[lane] > point { distances[lane] } else { f32::INFINITY };
+        let here: [f32; LANES] = core::array::from_fn(used);
+        least = core::array::from_fn(|lane| least[lane].min(here[lane]));
+        overlapping = core::array::from_fn(|lane| overlapping[lane] + u32::from(here[lane] < 0.0));
+        let whole = |overlap: f32| 1e9 * f64::from(overlap) + WHOLE - WHOLE;
+        overlaps = core::array::from_fn(|lane| overlaps[lane] + whole((-here[lane]).max(0.0)));
     }
-    for (&least, &count) in least.iter().zip(&names.counts) {
-        tally.contacts += count as usize;
-        tally.manifolds += usize::from(count > 0);
-        tally.touching += usize::from(least <= 0.0);
-        tally.deepest = if -least > tally.deepest { -least } else { tally.deepest };
-    }
+    let sum = |counts: &[u32; LANES]| counts.iter().sum::<u32>() as usize;
+    tally.overlapping += sum(&overlapping);
+    tally.overlap = tally.overlap.saturating_add(overlaps.iter().sum::<f64>() as u64);
+    tally.contacts += sum(&names.counts);
+    tally.manifolds += sum(&names.counts.map(|count| u32::from(count > 0)));
+    tally.touching += sum(&least.map(|least| u32::from(least <= 0.0)));
+    let deepest = least.iter().fold(f32::INFINITY, |a, &b| if b < a { b } else { a });
+    tally.deepest = tally.deepest.max(-deepest);
     tally
 }
 

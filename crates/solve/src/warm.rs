@@ -11,7 +11,7 @@ use crate::contacts::Contacts;
 use crate::effective::complete;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::sweep::{Beside, BodyLanes, Rows, Visit, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, sweep};
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 
 /// Applies all accumulated impulses, after a change of every body.
@@ -33,8 +33,9 @@ impl Visit for Warm {
         span: &Span,
     ) {
         let one_sided = span.one_sided;
-        let mut a = BodyLanes::gather(token, rows, &block.a, k, true);
-        let mut b = BodyLanes::gather(token, rows, &block.b, k, !one_sided);
+        let mut a = BodyLanes::gather(token, rows, &block.a, k, Take::Whole);
+        let take = if one_sided { Take::Fixed } else { Take::Whole };
+        let mut b = BodyLanes::gather(token, rows, &block.b, k, take);
         if P == 1 && span.is_of_plain_balls() {
             warm_balls(token, block, k, &mut a, &mut b);
             a.scatter(rows, &block.a, k);

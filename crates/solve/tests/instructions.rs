@@ -25,22 +25,22 @@ const SWEEPS: usize = 4;
 /// A kernel, lanes, and instructions per contact and sweep as they were counted with Rust 1.95: of the development
 /// profile, of the release profile.
 const COUNTED: [(&str, usize, [f64; 2]); 16] = [
-    ("warm_balls", 4, [683.2, 177.7]),
-    ("solve_balls", 4, [954.4, 240.4]),
-    ("relax_balls", 4, [924.0, 228.3]),
-    ("follow_balls", 4, [386.2, 124.8]),
-    ("warm_boxes", 4, [1092.2, 601.7]),
-    ("solve_boxes", 4, [1337.4, 532.6]),
-    ("relax_boxes", 4, [1246.9, 500.2]),
-    ("follow_boxes", 4, [573.6, 253.5]),
-    ("warm_balls", 8, [399.2, 136.8]),
-    ("solve_balls", 8, [533.4, 171.0]),
-    ("relax_balls", 8, [528.0, 170.2]),
-    ("follow_balls", 8, [204.1, 83.3]),
-    ("warm_boxes", 8, [630.0, 372.8]),
-    ("solve_boxes", 8, [697.6, 296.0]),
-    ("relax_boxes", 8, [662.4, 290.7]),
-    ("follow_boxes", 8, [306.6, 145.0]),
+    ("warm_balls", 4, [652.5, 148.3]),
+    ("solve_balls", 4, [706.4, 199.2]),
+    ("relax_balls", 4, [683.5, 190.4]),
+    ("follow_balls", 4, [367.6, 101.4]),
+    ("warm_boxes", 4, [1067.9, 554.2]),
+    ("solve_boxes", 4, [1301.7, 505.8]),
+    ("relax_boxes", 4, [1218.7, 476.4]),
+    ("follow_boxes", 4, [555.4, 221.2]),
+    ("warm_balls", 8, [368.5, 108.6]),
+    ("solve_balls", 8, [388.1, 136.3]),
+    ("relax_balls", 8, [381.9, 133.4]),
+    ("follow_balls", 8, [182.4, 59.7]),
+    ("warm_boxes", 8, [599.8, 347.4]),
+    ("solve_boxes", 8, [661.2, 269.9]),
+    ("relax_boxes", 8, [631.7, 265.1]),
+    ("follow_boxes", 8, [284.8, 117.0]),
 ];
 
 /// What a compiler or a small change may add.
