@@ -171,8 +171,7 @@ pub(crate) fn settings(world: &Table) -> Settings {
         sleep_speed: world.f32("sleep_speed"),
         sleep_time: world.f32("sleep_time"),
         continuous: world.bool("continuous"),
-        threads: 0,
-        lanes: 0,
+        ..Settings::default()
     }
 }
 

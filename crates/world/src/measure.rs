@@ -75,14 +75,18 @@ fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
     let line = &bodies.lines[row];
     let mass = 1.0 / f64::from(line.inverse_mass());
     let v = line.velocity().as_dvec3();
-    let axes = Mat3::from_quat(rotation::compose(bodies.rotations[row], bodies.frames[row])).as_dmat3();
-    let principal = axes.transpose() * line.angular_velocity().as_dvec3();
     let moments = bodies.inverse_moments[row].as_dvec3().map(|x| if x > 0.0 { 1.0 / x } else { 0.0 });
-    let spin = principal * moments;
-    sums.kinetic += 0.5 * (mass * v.length_squared() + principal.dot(spin));
+    let turning = line.angular_velocity().as_dvec3();
+    let spin = if moments.x == moments.y && moments.y == moments.z {
+        turning * moments.x
+    } else {
+        let axes = Mat3::from_quat(rotation::compose(bodies.rotations[row], bodies.frames[row])).as_dmat3();
+        axes * (axes.transpose() * turning * moments)
+    };
+    sums.kinetic += 0.5 * (mass * v.length_squared() + turning.dot(spin));
     sums.potential -= mass * f64::from(line.gravity_scale()) * gravity.dot(bodies.positions[row]);
     sums.momentum += v * mass;
-    sums.angular += bodies.positions[row].cross(v * mass) + axes * spin;
+    sums.angular += bodies.positions[row].cross(v * mass) + spin;
     sums
 }
 

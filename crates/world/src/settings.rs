@@ -1,6 +1,7 @@
 //! What holds for the whole world.
 
 use rockfall_math::Vec3;
+use rockfall_solve::WORTH_TILES;
 
 /// How contacts are answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +44,12 @@ pub struct Settings {
     /// Bodies that move through more than half of their inner radius in a step are stopped at the static or kinematic
     /// body that they would pass through.
     pub continuous: bool,
+    /// Pairs that have hardly moved relative to each other are not looked at again: those that are apart still are, and contacts follow their
+    /// bodies. Much slower without, and hardly different: a switch to see by how much.
+    pub reuse: bool,
+    /// From so many bodies that move on, neighbours are solved in tiles that fit a cache, contacts between tiles after those within. It is
+    /// another order of the same contacts; see by how little it matters.
+    pub tiles_from: usize,
     /// Threads, 0 for as many as the machine has. Never changes a result.
     pub threads: usize,
     /// SIMD lanes, 0 for as many as the machine has; 1, 4, 8 or 16. Never changes a result.
@@ -64,6 +71,8 @@ impl Default for Settings {
             sleep_speed: 0.05,
             sleep_time: 0.5,
             continuous: true,
+            reuse: true,
+            tiles_from: WORTH_TILES,
             threads: 0,
             lanes: 0,
         }

@@ -43,25 +43,26 @@ pub(crate) fn touch(
     bodies: &Bodies,
     shapes: &[Shape],
     surface: &(impl Fn(usize, usize) -> Surface + Sync),
+    reuse: bool,
 ) -> Vec<Changes> {
     let desk = contacts.desk(bodies.rows());
-    let look = Look { bodies, shapes, surface, desk: &desk };
+    let look = Look { bodies, shapes, surface, desk: &desk, reuse };
     rooms.resize_with(rayon::current_num_threads(), Mutex::default);
     touches
         .runs
         .par_iter_mut()
         .enumerate()
         .map(|(number, run)| {
-            if run.is_current() && (0..run.keys.len()).all(|i| look.stays(run, run.keys[i], i as u32)) {
-                return None;
-            }
-            let mut changes = Changes { run: number, ..Changes::default() };
             let room = &rooms[rayon::current_thread_index().unwrap_or_default()];
             // A thread that panicked leaves nothing that the next one would not clear.
             let mut fresh = room.lock().unwrap_or_else(PoisonError::into_inner);
-            fresh.clear();
+            let mut changes = Changes { run: number, ..Changes::default() };
             fresh.find(run, &look, &mut changes);
-            fresh.replace(run);
+            if run.is_current() && fresh.fits(run) {
+                fresh.put_in_place(run, &mut changes);
+            } else {
+                fresh.replace(run, &look, &mut changes);
+            }
             changes.is_some().then_some(changes)
         })
         .flatten_iter()
@@ -107,15 +108,31 @@ struct Look<'a, S> {
     shapes: &'a [Shape],
     surface: &'a S,
     desk: &'a Desk<'a>,
+    /// Whether what is found serves for longer than a step.
+    reuse: bool,
 }
 
-/// The columns of a run that is being brought up to date, before they take the place of the old ones. Each thread has its own, and keeps it
-/// from step to step.
+/// A pair that was looked at.
+#[derive(Debug)]
+struct Met {
+    /// Its number in the run.
+    pair: usize,
+    /// First of its contacts among the lanes of [`Fresh`].
+    first: usize,
+    recall: Recall,
+}
+
+/// What is found of a run that is brought up to date. Each thread has its own, and keeps it from step to step.
 #[derive(Debug, Default)]
 pub(crate) struct Fresh {
+    /// In the order of their numbers.
+    mets: Vec<Met>,
+    /// Where their contacts are.
+    lanes: Vec<Lane>,
+    /// Columns of a run that has other pairs or other contacts than before.
     firsts: Vec<u32>,
     recalls: Vec<Recall>,
-    lanes: Vec<Lane>,
+    all_lanes: Vec<Lane>,
     locals: Vec<Local>,
     olds: Vec<(Manifold, Memory)>,
     goes_on: Vec<bool>,
@@ -138,6 +155,23 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
             || at_rest(bodies, key)
     }
 
+    /// Runs the pair function. Returns for how long its contacts may follow the bodies.
+    fn meet(&self, [a, b]: [usize; 2], balls: bool, recall: &mut Recall, out: &mut Vec<Local>) -> Leash {
+        let bodies = self.bodies;
+        let shape = |row: usize| self.shapes.get(bodies.shapes[row] as usize);
+        let (Some(shape_a), Some(shape_b)) = (shape(a), shape(b)) else { return Leash::default() };
+        let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
+        let margin = bodies.reaches[a] + bodies.reaches[b];
+        let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
+        let count = bodies.ways[a].wrapping_add(bodies.ways[b]);
+        if !self.reuse {
+            recall.set(count, 0.0);
+            return Leash::default();
+        }
+        recall.set(count, apart - margin);
+        leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
+    }
+
     /// Whether contacts move one of two bodies in this step.
     fn is_active(&self, key: u64) -> bool {
         let (a, b) = rows(key);
@@ -147,43 +181,96 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
 }
 
 impl Fresh {
-    fn clear(&mut self) {
-        self.firsts.clear();
-        self.recalls.clear();
-        self.lanes.clear();
-    }
-
-    /// Finds the contacts of a run.
+    /// Finds the contacts of those pairs of a run whose contacts can't follow.
     fn find<S: Fn(usize, usize) -> Surface + Sync>(
         &mut self,
         run: &Run,
         look: &Look<'_, S>,
         changes: &mut Changes,
     ) {
-        let mut next = 0;
-        for (i, &key) in run.keys.iter().enumerate() {
-            self.firsts.push(self.lanes.len() as u32);
-            let before = run.before(i);
-            if before == NEW {
-                self.meet(key, Recall::default(), &[], look, changes);
+        self.mets.clear();
+        self.lanes.clear();
+        for (pair, &key) in run.keys.iter().enumerate() {
+            let before = run.before(pair);
+            let first = self.lanes.len();
+            let recall = if before == NEW {
+                self.meet(key, Recall::default(), &[], look, changes)
+            } else if look.stays(run, key, before) {
                 continue;
-            }
-            // Pairs that stand between two that go on have ended.
-            end(run, next..before, look.desk, changes);
-            next = before + 1;
-            let (lanes, recall) = (&run.lanes[run.contacts(before)], run.recalls[before as usize]);
-            if look.stays(run, key, before) {
-                self.lanes.extend_from_slice(lanes);
-                self.recalls.push(recall);
             } else {
-                self.meet(key, recall, lanes, look, changes);
-            }
+                let lanes = &run.lanes[run.contacts(before)];
+                self.meet(key, run.recalls[before as usize], lanes, look, changes)
+            };
+            self.mets.push(Met { pair, first, recall });
         }
-        end(run, next..run.recalls.len() as u32, look.desk, changes);
-        self.firsts.push(self.lanes.len() as u32);
     }
 
-    /// Finds the contacts of a pair anew, whose old ones are in `lanes`.
+    /// Contacts of pair number `i` of those that were looked at, as a range of the lanes.
+    fn contacts(&self, i: usize) -> std::ops::Range<usize> {
+        self.mets[i].first..self.mets.get(i + 1).map_or(self.lanes.len(), |next| next.first)
+    }
+
+    /// Whether each pair has as many contacts as before, in a run that has the same pairs.
+    fn fits(&self, run: &Run) -> bool {
+        let fits = |(i, met): (usize, &Met)| self.contacts(i).len() == run.contacts(met.pair as u32).len();
+        self.mets.iter().enumerate().all(fits)
+    }
+
+    /// Puts what was found in the place of what was there.
+    fn put_in_place(&self, run: &mut Run, changes: &mut Changes) {
+        let mut slots = changes.slots.iter_mut().peekable();
+        for (i, met) in self.mets.iter().enumerate() {
+            let (here, there) = (self.contacts(i), run.contacts(met.pair as u32));
+            while let Some(slot) = slots.next_if(|slot| here.contains(&(**slot as usize))) {
+                *slot = (there.start + *slot as usize - here.start) as u32;
+            }
+            run.lanes[there].copy_from_slice(&self.lanes[here]);
+            run.recalls[met.pair] = met.recall;
+        }
+    }
+
+    /// Makes the columns of a run anew, of what was found and what stays, and gives back the lanes of pairs that have ended.
+    fn replace<S: Fn(usize, usize) -> Surface + Sync>(
+        &mut self,
+        run: &mut Run,
+        look: &Look<'_, S>,
+        changes: &mut Changes,
+    ) {
+        self.firsts.clear();
+        self.recalls.clear();
+        self.all_lanes.clear();
+        let mut slots = std::mem::take(&mut changes.slots).into_iter().peekable();
+        let (mut next, mut i) = (0, 0);
+        for pair in 0..run.keys.len() {
+            self.firsts.push(self.all_lanes.len() as u32);
+            let before = run.before(pair);
+            if before != NEW {
+                // Pairs that stand between two that go on have ended.
+                end(run, next..before, look.desk, changes);
+                next = before + 1;
+            }
+            let Some(met) = self.mets.get(i).filter(|met| met.pair == pair) else {
+                self.all_lanes.extend_from_slice(&run.lanes[run.contacts(before)]);
+                self.recalls.push(run.recalls[before as usize]);
+                continue;
+            };
+            let here = self.contacts(i);
+            while let Some(slot) = slots.next_if(|&slot| here.contains(&(slot as usize))) {
+                changes.slots.push((self.all_lanes.len() + slot as usize - here.start) as u32);
+            }
+            self.recalls.push(met.recall);
+            self.all_lanes.extend_from_slice(&self.lanes[here]);
+            i += 1;
+        }
+        end(run, next..run.recalls.len() as u32, look.desk, changes);
+        self.firsts.push(self.all_lanes.len() as u32);
+        run.befores = Vec::new();
+        put(&self.firsts, &mut run.firsts);
+        put(&self.recalls, &mut run.recalls);
+        put(&self.all_lanes, &mut run.lanes);
+    }
+
+    /// Finds the contacts of a pair anew, whose old ones are in `lanes`. Returns what it remembers.
     fn meet<S: Fn(usize, usize) -> Surface + Sync>(
         &mut self,
         key: u64,
@@ -191,12 +278,12 @@ impl Fresh {
         lanes: &[Lane],
         look: &Look<'_, S>,
         changes: &mut Changes,
-    ) {
+    ) -> Recall {
         let (bodies, desk) = (look.bodies, look.desk);
         let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
         self.locals.clear();
-        let leash = meet(bodies, look.shapes, a, b, &mut recall, &mut self.locals);
-        self.recalls.push(recall);
+        let balls = bodies.balls[a] && bodies.balls[b];
+        let leash = look.meet([a, b], balls, &mut recall, &mut self.locals);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
         // Of two manifolds that both know an old one the first goes on in its place.
@@ -217,7 +304,6 @@ impl Fresh {
             }
             // What was found before it bore any load is looked at once more: where flat shapes come to lie on each other, rounding decides
             // what touches first. Two balls have only one way to touch.
-            let balls = bodies.balls[a] && bodies.balls[b];
             let contact = Found {
                 manifold,
                 memory,
@@ -245,14 +331,7 @@ impl Fresh {
             desk.clear(lane, true);
             changes.freed.push(lane);
         }
-    }
-
-    /// Puts what was found into the run.
-    fn replace(&self, run: &mut Run) {
-        run.befores = Vec::new();
-        put(&self.firsts, &mut run.firsts);
-        put(&self.recalls, &mut run.recalls);
-        put(&self.lanes, &mut run.lanes);
+        recall
     }
 }
 
@@ -285,28 +364,6 @@ fn rests(bodies: &Bodies, row: usize) -> bool {
         Role::Driven => bodies.lines[row].motion[..6].iter().all(|&x| x == 0.0),
     };
     still && bodies.drifts[row].0.iter().all(|&x| x == 0.0)
-}
-
-/// Runs the pair function. Returns for how long its contacts may follow the bodies.
-fn meet(
-    bodies: &Bodies,
-    shapes: &[Shape],
-    a: usize,
-    b: usize,
-    recall: &mut Recall,
-    out: &mut Vec<Local>,
-) -> Leash {
-    let (Some(shape_a), Some(shape_b)) =
-        (shapes.get(bodies.shapes[a] as usize), shapes.get(bodies.shapes[b] as usize))
-    else {
-        return Leash::default();
-    };
-    let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
-    let margin = bodies.reaches[a] + bodies.reaches[b];
-    let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
-    recall.set(bodies.ways[a].wrapping_add(bodies.ways[b]), apart - margin);
-    let balls = bodies.balls[a] && bodies.balls[b];
-    leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
 }
 
 fn is_finite(local: &Local) -> bool {
@@ -371,4 +428,51 @@ fn recognise(
         (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
     }
     (manifold, memory, source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::touches::tests::{lanes, run_of};
+
+    /// Where pairs have as many contacts as before, columns that are changed in place are those that would be made anew.
+    #[test]
+    fn in_place_or_anew_is_the_same() {
+        let all = lanes(5);
+        let run = || run_of(&[1, 2, 3, 4], &mut all.iter().copied(), |key| [1, 2, 0, 2][key as usize - 1]);
+        let met = |pair: usize, first: usize| Met {
+            pair,
+            first,
+            recall: Recall { mark: 10 + pair as u32, ..Recall::default() },
+        };
+        // Of the second pair the second contact has come, of the last the first.
+        let mut fresh = Fresh {
+            mets: vec![met(1, 0), met(2, 2), met(3, 2)],
+            lanes: vec![all[1], Lane::NONE, Lane::NONE, all[4]],
+            ..Fresh::default()
+        };
+        let (mut place, mut anew) = (run(), run());
+        let came = || Changes { slots: vec![1, 2], ..Changes::default() };
+        let (mut in_place, mut made_anew) = (came(), came());
+        assert!(fresh.fits(&place));
+        fresh.put_in_place(&mut place, &mut in_place);
+
+        let mut contacts = Contacts::default();
+        let surface = |_, _| Surface::default();
+        let bodies = Bodies::new();
+        let look =
+            Look { bodies: &bodies, shapes: &[], surface: &surface, desk: &contacts.desk(1), reuse: true };
+        fresh.replace(&mut anew, &look, &mut made_anew);
+
+        assert_eq!(in_place.slots, [2, 3]);
+        assert_eq!(place.lanes, [all[0], all[1], Lane::NONE, Lane::NONE, all[4]]);
+        assert_eq!(place.recalls.iter().map(|recall| recall.mark).collect::<Vec<_>>(), [1, 11, 12, 13]);
+        assert_eq!((in_place.slots, &place.lanes), (made_anew.slots, &anew.lanes));
+        assert_eq!((&place.firsts, place.recalls.len()), (&anew.firsts, anew.recalls.len()));
+        assert!(place.recalls.iter().zip(&anew.recalls).all(|(a, b)| a.mark == b.mark));
+        assert!(made_anew.freed.is_empty());
+
+        fresh.lanes.pop();
+        assert!(!fresh.fits(&anew));
+    }
 }

@@ -6,6 +6,7 @@
 
 use crate::recall::Recall;
 use rayon::prelude::*;
+use rockfall_math::room::give_back;
 use rockfall_solve::{Entry, FIXED, Lane, row_of};
 
 /// Pairs in a run that was just cut. It may grow to twice as many.
@@ -107,7 +108,9 @@ impl Touches {
         let long = |run: &Run| run.keys.len() > 2 * RUN;
         let short =
             |a: &Run, b: &Run| a.keys.is_empty() || b.keys.is_empty() || a.keys.len() + b.keys.len() < RUN;
-        if !self.runs.iter().any(long) && !self.runs.windows(2).any(|pair| short(&pair[0], &pair[1])) {
+        let as_they_are =
+            |(i, run): (usize, &Run)| !long(run) && self.runs.get(i + 1).is_none_or(|next| !short(run, next));
+        if self.runs.par_iter().enumerate().with_min_len(64).all(as_they_are) {
             return;
         }
         for run in std::mem::take(&mut self.runs) {
@@ -122,8 +125,8 @@ impl Touches {
     /// Follows the bodies to their new rows, `u32::MAX` for those that are gone. Returns every contact with its new rows.
     ///
     /// On the way everything is in a few long columns. Runs are many small vectors: with the new ones beside the old the allocator would hold
-    /// twice their room from then on.
-    pub(crate) fn rename(&mut self, new_rows: &[u32]) -> Vec<Entry> {
+    /// twice their room from then on. Where `all` rows have other places it gives back what it holds before there are new ones.
+    pub(crate) fn rename(&mut self, new_rows: &[u32], all: bool) -> Vec<Entry> {
         let mut places: Vec<Place> = Vec::with_capacity(self.pairs());
         for (piece, runs) in self.runs.chunks_mut(PIECE).enumerate() {
             places.par_extend(runs.par_iter_mut().enumerate().flat_map_iter(|(i, run)| {
@@ -148,6 +151,9 @@ impl Touches {
             }));
         }
         self.runs = Vec::new();
+        if all {
+            give_back();
+        }
         self.runs = (places.par_chunks(RUN), recalls.par_chunks(RUN))
             .into_par_iter()
             .map(|(places, recalls)| {
@@ -257,12 +263,12 @@ fn cut(run: &Run) -> Vec<Run> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use rockfall_solve::Contacts;
 
     /// Lanes that can be told apart.
-    fn lanes(count: usize) -> Vec<Lane> {
+    pub(crate) fn lanes(count: usize) -> Vec<Lane> {
         let mut contacts = Contacts::default();
         let manifold = rockfall_solve::Manifold { a: 1, b: 2, count: 1, ..Default::default() };
         let arrival = rockfall_solve::Found {
@@ -277,7 +283,11 @@ mod tests {
     }
 
     /// A run of pairs with these keys, each with `count(key)` contacts, whose lanes are the next ones.
-    fn run_of(keys: &[u64], lanes: &mut impl Iterator<Item = Lane>, count: impl Fn(u64) -> usize) -> Run {
+    pub(crate) fn run_of(
+        keys: &[u64],
+        lanes: &mut impl Iterator<Item = Lane>,
+        count: impl Fn(u64) -> usize,
+    ) -> Run {
         let mut run = Run { keys: keys.to_vec(), ..Run::empty() };
         for &key in keys {
             run.recalls.push(Recall { mark: key as u32, ..Recall::default() });
@@ -337,7 +347,7 @@ mod tests {
         let mut next = all.iter().copied();
         let runs = vec![run_of(&keys[..2], &mut next, |_| 1), run_of(&keys[2..], &mut next, |_| 1)];
         let mut touches = Touches { runs };
-        let entries = touches.rename(&[0, 3, u32::MAX, 1, 2]);
+        let entries = touches.rename(&[0, 3, u32::MAX, 1, 2], true);
         let keys: Vec<u64> = touches.keys().collect();
         assert_eq!(keys, [key(1, u64::from(2 | FIXED)), key(3, 1)]);
         let words: Vec<u32> = touches.runs[0].recalls.iter().map(|recall| recall.mark).collect();

@@ -33,7 +33,8 @@ impl World {
         let World { islands, contacts, rooms, moved, sums, report, .. } = self;
         let mut clock = Clock::new();
 
-        let turnover = apply(bodies, touches, contacts, self.fresh, &self.stirred, report.step);
+        let (fresh, stirred) = (self.fresh, &self.stirred);
+        let turnover = apply(bodies, touches, contacts, fresh, stirred, report.step, settings.tiles_from);
         let renamed = if turnover.all { 1 } else { bodies.rows() - turnover.fresh };
         for (&slot, row) in bodies.slots.iter().zip(0..).skip(renamed) {
             self.rows[slot as usize] = row;
@@ -54,7 +55,7 @@ impl World {
         follow(contacts, &mut bodies.solver_columns(), *width);
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
-        let mut changes = touch(rooms, touches, contacts, bodies, shapes, &surface);
+        let mut changes = touch(rooms, touches, contacts, bodies, shapes, &surface, settings.reuse);
         report.frozen += freeze(bodies, &Changes::broken(&changes));
         clock.lap();
         color(&mut changes, contacts, bodies.rows());
