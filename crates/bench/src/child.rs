@@ -46,6 +46,8 @@ pub(crate) struct Block {
     pub(crate) first: Option<f64>,
     /// Bytes that the solver must have read in a step, at least, where the engine tells.
     pub(crate) solver_bytes: Option<f64>,
+    /// Peak memory of the process in these steps less what it had before the engine was built, bytes.
+    pub(crate) memory: Option<u64>,
 }
 
 /// What is known at the end.
@@ -74,7 +76,7 @@ pub(crate) fn serve(
     let scene = case.scene.build(case.bodies, options.seed)?;
     let empty = process::peak_memory();
     let engine = kind.build(&scene, case.threads)?;
-    let mut run = Run { scene: &scene, engine, there: scene.present(0), steps: 0 };
+    let mut run = Run { scene: &scene, engine, there: scene.present(0), steps: 0, empty, most: None };
     send(&mut output, &Reply::Ready)?;
     for line in input.lines() {
         match serde_json::from_str(&line?)? {
@@ -83,8 +85,7 @@ pub(crate) fn serve(
                 send(&mut output, &Reply::Stepped(block))?;
             }
             Request::Finish => {
-                let memory =
-                    process::peak_memory().zip(empty).map(|(peak, empty)| peak.saturating_sub(empty));
+                let memory = run.most.max(run.memory());
                 run.begin()?;
                 let mass = run.engine.mass();
                 let before = run.engine.poses();
@@ -107,6 +108,10 @@ struct Run<'a> {
     there: usize,
     /// Begun so far.
     steps: u32,
+    /// Memory before the engine was built, bytes.
+    empty: Option<u64>,
+    /// The most that the engine has had so far, bytes.
+    most: Option<u64>,
 }
 
 impl Run<'_> {
@@ -128,6 +133,8 @@ impl Run<'_> {
         let share = 1.0 / f64::from(steps.max(1));
         let (mut wall, cpu) = (0.0, process::cpu_ms());
         let (mut first, mut solver_bytes) = (None, None);
+        self.most = self.most.max(self.memory());
+        let fresh = process::forget_peak();
         for _ in 0..steps {
             let start = Instant::now();
             self.begin()?;
@@ -148,7 +155,15 @@ impl Run<'_> {
             }
         }
         let cpu = process::cpu_ms().zip(cpu).map(|(after, before)| share * (after - before));
-        Ok(Block { wall, cpu, stages, first, solver_bytes })
+        let memory = self.memory();
+        self.most = self.most.max(memory);
+        let memory = memory.filter(|_| fresh);
+        Ok(Block { wall, cpu, stages, first, solver_bytes, memory })
+    }
+
+    /// Peak memory of the engine, bytes.
+    fn memory(&self) -> Option<u64> {
+        process::peak_memory().zip(self.empty).map(|(peak, empty)| peak.saturating_sub(empty))
     }
 }
 
@@ -260,6 +275,7 @@ mod tests {
         assert!(block.first.is_some_and(|first| first > 0.0 && first < 3.0 * block.wall));
         assert!(block.solver_bytes.is_some_and(|bytes| bytes >= 20.0 * (9.0 * 64.0 + 8.0 * 32.0)));
         assert!(outcome.bodies == 20 && outcome.mass > 0.0);
+        assert!(block.memory <= outcome.memory);
     }
 
     #[test]

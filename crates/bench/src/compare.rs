@@ -51,6 +51,8 @@ pub(crate) struct Line {
     pub(crate) top_drift_mm: Option<f64>,
     /// Peak memory of the engine by the number of bodies, those that can't be moved included.
     pub(crate) bytes_per_body: Option<f64>,
+    /// The same of the timed turns alone.
+    pub(crate) timed_bytes_per_body: Option<f64>,
     /// What the solver reads, where the engine tells.
     pub(crate) roofline: Option<Roofline>,
     /// Times of the stages, milliseconds per step, medians.
@@ -123,6 +125,7 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs, bandwidth: f64)
     let walls = || run.blocks.iter().map(|b| b.wall);
     let pairs = || run.blocks.iter().zip(&first.blocks);
     let of = |read: &dyn Fn(&Outcome) -> f64| median(outcomes.iter().map(read));
+    let per_body = |bytes: u64| bytes as f64 / (any.bodies + any.immovable).max(1) as f64;
     let stage = |i: usize, name: &str| {
         (name.to_owned(), median(run.blocks.iter().filter_map(|b| b.stages.get(i)).map(|s| s.1)))
     };
@@ -156,9 +159,8 @@ fn line(options: &Options, case: Case, run: &Runs, first: &Runs, bandwidth: f64)
         moving: of(&|o| o.quality.moving as f64) as usize,
         top_drop_mm: any.quality.top_drop_mm.map(|_| of(&|o| o.quality.top_drop_mm.unwrap_or(0.0))),
         top_drift_mm: any.quality.top_drift_mm.map(|_| of(&|o| o.quality.top_drift_mm.unwrap_or(0.0))),
-        bytes_per_body: any
-            .memory
-            .map(|_| of(&|o| o.memory.unwrap_or(0) as f64 / (o.bodies + o.immovable).max(1) as f64)),
+        bytes_per_body: any.memory.map(|_| of(&|o| per_body(o.memory.unwrap_or(0)))),
+        timed_bytes_per_body: run.blocks.iter().filter_map(|b| b.memory).max().map(per_body),
         roofline: Roofline::new(&run.blocks, bandwidth),
         stages: run.blocks.first().map_or(Vec::new(), |b| {
             b.stages.iter().enumerate().map(|(i, (name, _))| stage(i, name)).collect()
@@ -223,6 +225,7 @@ mod tests {
                     stages: vec![("solve".to_owned(), 0.5 * wall)],
                     first: None,
                     solver_bytes: Some(1e6 * wall),
+                    memory: Some(100 * wall as u64),
                 })
                 .collect(),
             all: vec![2.0, 5.0, 100.0],
@@ -242,7 +245,7 @@ mod tests {
         let line = line(&options, options.cases()[0], &peer, &ours, 8.0).expect("a line");
         assert_eq!((line.times_first, line.cpu_times_first), (1.5, Some(1.5)));
         assert_eq!((line.ms_per_step, line.best_ms_per_step, line.all_ms_per_step), (22.5, 15.0, 5.0));
-        assert_eq!(line.bytes_per_body, Some(500.0));
+        assert_eq!((line.bytes_per_body, line.timed_bytes_per_body), (Some(500.0), Some(300.0)));
         assert!(line.first_step_ms == 50.0 && (line.first_step_times - 50.0 / 22.5).abs() < 1e-12);
         // A million bytes in half a millisecond.
         let roofline = line.roofline.expect("told");

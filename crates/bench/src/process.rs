@@ -2,7 +2,7 @@
 
 use std::fs;
 
-/// The most memory that the process has had at once (`VmHWM`), bytes.
+/// The most memory that the process has had at once (`VmHWM`) since it began or since [`forget_peak`], bytes.
 pub(crate) fn peak_memory() -> Option<u64> {
     parse_peak(&fs::read_to_string("/proc/self/status").ok()?)
 }
@@ -10,6 +10,12 @@ pub(crate) fn peak_memory() -> Option<u64> {
 fn parse_peak(status: &str) -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+/// From now on [`peak_memory`] is the most since now. Whether the system can do that.
+pub(crate) fn forget_peak() -> bool {
+    // See proc_pid_clear_refs(5).
+    fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
 /// Processor time of all threads that live, milliseconds. Unlike the clock on the wall it does not count what
@@ -51,5 +57,10 @@ mod tests {
         let block = std::hint::black_box(vec![1u8; before as usize + (64 << 20)]);
         let grown = peak_memory().expect("Linux tells") - before;
         assert!(grown >= 32 << 20, "{grown} after {} bytes", block.len());
+        drop(block);
+        if forget_peak() {
+            let now = peak_memory().expect("Linux tells");
+            assert!(now < before + grown - (32 << 20), "{now}");
+        }
     }
 }

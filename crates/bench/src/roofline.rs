@@ -84,7 +84,7 @@ mod tests {
 
     fn block(bytes: Option<f64>, ms: f64) -> Block {
         let stages = vec![("touch".to_owned(), 9.0), ("solve".to_owned(), ms)];
-        Block { wall: 10.0, cpu: None, stages, first: None, solver_bytes: bytes }
+        Block { wall: 10.0, cpu: None, stages, first: None, solver_bytes: bytes, memory: None }
     }
 
     #[test]

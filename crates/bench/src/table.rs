@@ -30,7 +30,7 @@ pub(crate) const COLUMNS: [(&str, bool); 20] = [
     ("kinetic energy, J", true),
     ("moving", true),
     ("top sunk / gone sideways, mm", true),
-    ("KB per body", true),
+    ("KB per body, at most / when timed", true),
 ];
 
 /// A row of the table, as people read it.
@@ -57,7 +57,9 @@ pub(crate) fn row(l: &Line) -> [String; COLUMNS.len()] {
         format!("{:.3e}", l.kinetic_joule),
         l.moving.to_string(),
         l.top_drop_mm.zip(l.top_drift_mm).map_or("–".to_owned(), both),
-        or_dash(l.bytes_per_body.map(|bytes| bytes / 1e3), 2),
+        [l.bytes_per_body, l.timed_bytes_per_body]
+            .map(|bytes| or_dash(bytes.map(|b| b / 1e3), 2))
+            .join(" / "),
     ]
 }
 
@@ -243,6 +245,7 @@ pub(crate) mod tests {
             top_drop_mm: Some(740.4),
             top_drift_mm: Some(12.0),
             bytes_per_body: Some(2456.0),
+            timed_bytes_per_body: Some(1234.0),
             roofline: Some(Roofline {
                 gigabytes_per_step: 0.002,
                 gigabytes_per_second: 5.0,
@@ -260,7 +263,7 @@ pub(crate) mod tests {
         let columns: Vec<usize> = text.lines().map(|line| line.matches('|').count()).collect();
         assert_eq!(columns, [21; 4]);
         assert!(text.contains(
-            "| 12.3 | 1.50 | 10.1 | 4.0 | – | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 |"
+            "| 12.3 | 1.50 | 10.1 | 4.0 | – | 20.0 | – | 2.35 / 9.9 / 12.0 | 110 | 0 | 3.2 | 5.000e-1 | 4 | 740 / 12 | 2.46 / 1.23 |"
         ));
         assert_eq!(stages(&[sample("a")]), "pyramid, 55 bodies, 2 threads, a: touch 3.00 ms\n");
     }
