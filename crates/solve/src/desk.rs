@@ -331,6 +331,13 @@ mod tests {
         let tally = contacts.tally();
         assert_eq!((tally.manifolds, tally.touching), (199, 199));
         assert_eq!(tally.contacts, arrivals[0].iter().map(|a| a.manifold.count as usize).sum::<usize>());
+        let distances = arrivals[0].iter().flat_map(|a| &a.manifold.distances[..a.manifold.count as usize]);
+        let overlaps: Vec<f32> = distances.filter(|d| **d < 0.0).map(|d| -d).collect();
+        let nanometres: f64 =
+            overlaps.iter().map(|&overlap| (1e9 * f64::from(overlap)).round_ties_even()).sum();
+        assert!(overlaps.len() > 199 && tally.overlapping == overlaps.len());
+        assert_eq!(tally.overlap, nanometres as u64);
+        assert_eq!(tally.deepest, overlaps.iter().copied().fold(0.0, f32::max));
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub(crate) type Row = [[AtomicU32; LANES]];
 pub(crate) struct Words<'a> {
     words: &'a Row,
     /// Words of a lane.
-    pub(crate) width: usize,
+    width: usize,
 }
 
 impl<'a> Words<'a> {

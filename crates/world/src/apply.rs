@@ -1,7 +1,7 @@
 //! Stage 1, **apply**: bodies that were added or removed since the last step take their places.
 //!
 //! Reads states and ids; writes all columns, the keys of all pairs, and the order of contacts. Rows are in a canonical order, so that nothing
-//! depends on the order of the user's calls: new rows stand behind the old ones by id, and every [`SORT_EVERY`] steps, if it pays,
+//! depends on the order of the user's calls: new rows stand behind the old ones by id, and every [`SORT_EVERY`] steps, if they are disordered,
 //! all rows are sorted along the Hilbert curve, the immobile ones last: neighbours in space are neighbours in memory.
 
 use crate::bodies::{Bodies, State};
@@ -17,8 +17,8 @@ use std::collections::BTreeSet;
 /// Steps between two sorts of all rows. 64 keeps a flowing pile sorted at under 1 % of the time.
 const SORT_EVERY: u64 = 64;
 
-/// Sorting pays when one row in so many lies before the one in front of it: in a pile that has come to rest a few neighbours trade places, and
-/// are near each other still.
+/// Rows are sorted when more than one in so many lies before the one in front of it: in a pile that has come to rest a few neighbours trade
+/// places, and are near each other still. Other numbers were not tried.
 const DISORDER: usize = 32;
 
 /// Brings the rows into order. `fresh` is the number of rows at the end that are new since the last step, `stirred` are the
