@@ -16,6 +16,9 @@
 //! their lengths, which come from the two components that the cross product has and not from 1 − r_ij², so that
 //! nearly parallel edges keep all their digits; and an axis is never skipped for being short, except at 10 µrad.
 //!
+//! What touched in the last step goes on with its axis and, of a face, with its corners while others are no better: a box between two
+//! faces that takes turns with the corners which hold it is kept rocking by that.
+//!
 //! The largest separation is a lower bound of the distance. While the boxes are apart it is the distance itself if
 //! the point that it leads to lies over the face, which is checked; else the nearest points are searched for.
 
@@ -24,12 +27,16 @@ use crate::closest::Closest;
 use crate::feature;
 use crate::gjk::{self, Proximity};
 use crate::poly::BoxPoly;
-use crate::polyhedra;
-use crate::reduce::reduce;
+use crate::polyhedra::{self, Grip};
+use crate::reduce::reduce_polygon;
 use crate::sat::preference;
 use crate::segments;
 use crate::{Cache, ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
+
+/// The axis of the last manifold stays while no other separates by more than this share of the [`preference`] of the largest half extent
+/// more: of plates the thickness says nothing about how their faces lean.
+const HOLD: f32 = 0.3;
 
 /// Appends the manifold of two boxes, given by their half extents, if they come within `margin`. Returns how far apart they
 /// are at least, or 0.
@@ -42,8 +49,9 @@ pub(crate) fn collide(
     out: &mut Vec<Manifold>,
 ) -> f32 {
     let boxes = Boxes::new(a, b, b_in_a);
-    if (1..=15).contains(&cache.word) {
-        let separation = boxes.separation(cache.word as usize - 1);
+    let last = Last::of(*cache);
+    if let Some(axis) = last.axis {
+        let separation = boxes.separation(axis);
         if separation > margin {
             return separation;
         }
@@ -52,7 +60,7 @@ pub(crate) fn collide(
     for (k, s) in separations.iter_mut().enumerate() {
         *s = boxes.separation(k);
         if *s > margin {
-            cache.word = k as u32 + 1;
+            *cache = Last { axis: Some(k), grip: Grip::default() }.cache();
             return *s;
         }
     }
@@ -61,54 +69,111 @@ pub(crate) fn collide(
     };
     let (face_a, face_b, edge) = (best(0, 3), best(3, 6), best(6, 15));
     let (of_a, of_b, of_edge) = (separations[face_a], separations[face_b], separations[edge]);
-    let smaller = a.min_element().min(b.min_element());
-    let (face, of_face) =
-        if of_b > of_a + preference(smaller, of_a) { (face_b, of_b) } else { (face_a, of_a) };
-    cache.word = face as u32 + 1;
-
     let apart = of_a.max(of_b).max(of_edge);
-    if apart <= 0.0 {
-        if of_edge <= of_face + preference(smaller, of_face) {
-            let manifold = boxes.over_face(face, SLACK * smaller, margin, of_face);
-            // The preferred face must have points to show for it.
-            if manifold.deepest() <= of_face + preference(smaller, of_face) || apart == of_face {
-                out.push(manifold);
-                return 0.0;
+    let smaller = a.min_element().min(b.min_element());
+    // That of the last manifold, unless another one is clearly better.
+    let again = last.axis.filter(|&axis| {
+        let hold = HOLD * preference(a.max_element().min(b.max_element()), separations[axis]);
+        last.grip.corners != 0 && apart <= separations[axis] + hold
+    });
+    let face = match again {
+        Some(axis) if axis < 6 => axis,
+        _ if of_b > of_a + preference(smaller, of_a) => face_b,
+        _ => face_a,
+    };
+    let of_face = separations[face];
+    let grip_on = |face: usize| {
+        let same = last.axis == Some(face) && last.grip.on_b == (face >= 3);
+        Grip { on_b: face >= 3, corners: if same { last.grip.corners } else { 0 } }
+    };
+    let slack = SLACK * smaller;
+
+    let (axis, grip, manifold) = 'found: {
+        if apart <= 0.0 {
+            let crossed = again.is_some_and(|axis| axis >= 6);
+            if !crossed && of_edge <= of_face + preference(smaller, of_face) {
+                let mut grip = grip_on(face);
+                let manifold = boxes.over_face(face, slack, margin, of_face, &mut grip);
+                // The preferred face must have points to show for it.
+                if manifold.deepest() <= of_face + preference(smaller, of_face) || apart == of_face {
+                    break 'found (face, grip, manifold);
+                }
+            }
+            if crossed || apart == of_edge {
+                let axis = again.filter(|&axis| axis >= 6).unwrap_or(edge);
+                let mut grip = if last.axis == Some(axis) { last.grip } else { Grip::default() };
+                let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
+                let crossing = boxes.crossing(axis, separations[axis]);
+                let manifold =
+                    polyhedra::around(&box_a.poly(), &box_b.poly(), b_in_a, margin, &crossing, &mut grip);
+                break 'found (axis, grip, manifold);
+            }
+            let face = if apart == of_a { face_a } else { face_b };
+            let mut grip = grip_on(face);
+            let manifold = boxes.over_face(face, slack, margin, apart, &mut grip);
+            break 'found (face, grip, manifold);
+        }
+        // `apart` is a lower bound of the distance and a point over a face an upper one. Half a micrometre per metre of
+        // size between them counts as none.
+        let same = 5e-7 * (a.max_element() + b.max_element() + b_in_a.translation.abs().max_element());
+        for face in [face, if face < 3 { face_b } else { face_a }] {
+            if apart - separations[face] <= preference(smaller, 0.0).max(same)
+                && boxes.reaches(face, apart + same)
+            {
+                let mut grip = grip_on(face);
+                let manifold = boxes.over_face(face, slack, margin, apart, &mut grip);
+                break 'found (face, grip, manifold);
             }
         }
-        out.push(if apart == of_edge {
-            cache.word = edge as u32 + 1;
-            let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
-            polyhedra::around(&box_a.poly(), &box_b.poly(), b_in_a, margin, &boxes.crossing(edge, of_edge))
-        } else {
-            let face = if apart == of_a { face_a } else { face_b };
-            boxes.over_face(face, SLACK * smaller, margin, apart)
-        });
-        return 0.0;
-    }
-    // `apart` is a lower bound of the distance and a point over a face an upper one. Half a micrometre per metre of
-    // size between them counts as none.
-    let same = 5e-7 * (a.max_element() + b.max_element() + b_in_a.translation.abs().max_element());
-    let other = if face == face_a { face_b } else { face_a };
-    for face in [face, other] {
-        if apart - separations[face] <= preference(smaller, 0.0).max(same)
-            && boxes.reaches(face, apart + same)
-        {
-            out.push(boxes.over_face(face, SLACK * smaller, margin, apart));
-            return 0.0;
+        let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
+        let (poly_a, poly_b) = (box_a.poly(), box_b.poly());
+        let mut grip = last.grip;
+        match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, margin) {
+            Proximity::Apart(closest) => {
+                let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
+                (face, grip, manifold)
+            }
+            Proximity::Beyond(_) => {
+                *cache = Last { axis: Some(face), grip: Grip::default() }.cache();
+                return margin;
+            }
+            // Apart by less than rounding.
+            Proximity::Overlap => {
+                let mut grip = grip_on(face);
+                let manifold = boxes.over_face(face, slack, margin, of_face, &mut grip);
+                (face, grip, manifold)
+            }
         }
-    }
-    let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
-    let (poly_a, poly_b) = (box_a.poly(), box_b.poly());
-    match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, margin) {
-        Proximity::Apart(closest) => {
-            out.push(polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest));
-        }
-        Proximity::Beyond(_) => return margin,
-        // Apart by less than rounding.
-        Proximity::Overlap => out.push(boxes.over_face(face, SLACK * smaller, margin, of_face)),
-    }
+    };
+    *cache = Last { axis: Some(axis), grip }.cache();
+    out.push(manifold);
     0.0
+}
+
+/// What the last step found: the axis, and of a manifold what it was made of.
+///
+/// | bits | in the cache |
+/// |---|---|
+/// | 0–7 | axis + 1 |
+/// | 8–15 | corners that were kept |
+/// | 16 | the reference face was B's |
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Last {
+    axis: Option<usize>,
+    grip: Grip,
+}
+
+impl Last {
+    fn of(Cache { word }: Cache) -> Self {
+        let axis = (word & 0xff) as usize;
+        let grip = Grip { on_b: word >> 16 & 1 == 1, corners: (word >> 8) as u8 };
+        Last { axis: (1..=15).contains(&axis).then(|| axis - 1), grip }
+    }
+
+    fn cache(self) -> Cache {
+        let axis = self.axis.map_or(0, |axis| axis as u32 + 1);
+        Cache { word: axis | u32::from(self.grip.corners) << 8 | u32::from(self.grip.on_b) << 16 }
+    }
 }
 
 /// Both boxes in the frame of A.
@@ -215,7 +280,7 @@ impl Boxes {
     }
 
     /// The manifold of reference face `k`, its sides moved out by `slack`; no point is nearer than `least`.
-    fn over_face(&self, k: usize, slack: f32, margin: f32, least: f32) -> Manifold {
+    fn over_face(&self, k: usize, slack: f32, margin: f32, least: f32, grip: &mut Grip) -> Manifold {
         let facing = self.facing(k);
         let polygon = facing.clip(slack);
         let normal = if facing.reference_is_b { -facing.frame[2] } else { facing.frame[2] };
@@ -248,7 +313,7 @@ impl Boxes {
             points[0] = point(lowest, least);
             count = 1;
         }
-        reduce(normal, &points[..count])
+        reduce_polygon(normal, &points[..count], &mut grip.corners)
     }
 
     /// The nearest points of the edges of axis `k` (6–14).

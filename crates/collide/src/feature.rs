@@ -42,6 +42,15 @@ pub(crate) fn side_tag(k: usize) -> u8 {
     SIDE | edge_tag(k)
 }
 
+/// A bit for each corner of two quadrilaterals, by the edge after it: no two corners of what is left of one within the other share
+/// that. None for other pairs.
+#[inline]
+pub(crate) fn corner_bit(name: u32) -> u8 {
+    let after = name as u8;
+    let side = if after & SIDE != 0 { 4 } else { 0 };
+    if name & PAIR == PAIR { 0 } else { 1 << ((after & 3) + side) }
+}
+
 /// Any other pair: corner or edge numbers of A and B.
 #[inline]
 pub(crate) fn pair(of_a: usize, of_b: usize) -> u32 {
@@ -51,6 +60,14 @@ pub(crate) fn pair(of_a: usize, of_b: usize) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn corners_of_quadrilaterals_have_bits_of_their_own() {
+        let tags = (0..4).map(edge_tag).chain((0..4).map(side_tag));
+        let bits = tags.map(|after| corner_bit(corner(faces(true, 5, 3), edge_tag(2), after)));
+        assert_eq!(bits.fold(0, |all, bit| if all & bit == 0 { all | bit } else { 0 }), 0xff);
+        assert_eq!(corner_bit(pair(7, 9)), 0);
+    }
 
     #[test]
     fn points_of_one_pair_of_boxes_have_different_names() {

@@ -41,7 +41,8 @@ use rockfall_shape::Shape;
 /// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces.
 /// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
-/// `cache` belongs to the pair. It makes the next call faster and never changes its result. Two half-spaces have no
+/// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
+/// by 0.06 % of the smaller box's largest half extent and 0.15 % of the overlap, of corners by a fourth of a thousandth of their span. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite.
 ///
 /// Returns a distance by which the shapes are surely apart, metres, to rounding: their distance or less; 0 where that is

@@ -6,7 +6,7 @@ use crate::direction;
 use crate::feature;
 use crate::gjk::{self, Proximity};
 use crate::poly::Poly;
-use crate::reduce::reduce;
+use crate::reduce::{reduce, reduce_polygon};
 use crate::sat::{self, Axis, Kind};
 use crate::segments;
 use crate::{Cache, ContactPoint, Manifold};
@@ -41,7 +41,7 @@ pub(crate) fn collide(
         }
         Proximity::Apart(closest) => {
             cache.word = direction::pack(closest.normal);
-            out.push(around(a, b, b_in_a, margin, &closest));
+            out.push(around(a, b, b_in_a, margin, &closest, &mut Grip::default()));
         }
         Proximity::Overlap => {
             let choice = sat::least_overlap(a, b, b_in_a);
@@ -101,17 +101,39 @@ fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: Vec3) -> f32 {
     (nearest - furthest) * (1.0 - 1e-5) - rounding
 }
 
-/// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face.
-pub(crate) fn around(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest: &Closest) -> Manifold {
+/// What a manifold of two boxes was made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Grip {
+    /// Whether the reference face was B's.
+    pub(crate) on_b: bool,
+    /// Bits of the corners that were kept, see [`feature::corner_bit`]; 0 where there was none.
+    pub(crate) corners: u8,
+}
+
+/// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face. Of faces and corners
+/// that are as good as each other, those of the last `grip`, which becomes that of this manifold.
+pub(crate) fn around(
+    a: &Poly,
+    b: &Poly,
+    b_in_a: &Isometry,
+    margin: f32,
+    closest: &Closest,
+    grip: &mut Grip,
+) -> Manifold {
     let normal = closest.normal;
     let (face_of_a, cosine_of_a) = a.face_at_support(normal);
     let (face_of_b, cosine_of_b) = b.face_at_support(-b_in_a.inverse_vector(normal));
     if cosine_of_a.max(cosine_of_b) < FACE_COSINE {
+        *grip = Grip::default();
         return closest.manifold();
     }
-    // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
-    let kind =
-        if cosine_of_b > cosine_of_a + 1e-3 { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
+    // A's face unless B's is nearer by more than two degrees at a right contact, or the last one: the choice must not flicker.
+    let same = if grip.on_b && grip.corners != 0 { -1e-3 } else { 1e-3 };
+    let on_b = cosine_of_b > cosine_of_a + same;
+    if grip.on_b != on_b {
+        *grip = Grip { on_b, corners: 0 };
+    }
+    let kind = if on_b { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
     let axis = Axis { normal, separation: closest.distance, kind };
     let slack = SLACK * a.inner_radius.min(b.inner_radius);
     let mut points = over_face(a, b, b_in_a, margin, slack, &axis);
@@ -119,16 +141,16 @@ pub(crate) fn around(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest
     if deepest > closest.distance + rounding(a, b, b_in_a) {
         points.push(closest.point());
     }
-    reduce(normal, &points)
+    reduce_polygon(normal, &points, &mut grip.corners)
 }
 
 /// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
 fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
     if let Kind::Edges(i, j) = axis.kind {
-        return Some(around(a, b, b_in_a, margin, &crossing(a, b, b_in_a, axis, i, j)));
+        return Some(around(a, b, b_in_a, margin, &crossing(a, b, b_in_a, axis, i, j), &mut Grip::default()));
     }
     let points = over_face(a, b, b_in_a, margin, slack, axis);
-    (!points.is_empty()).then(|| reduce(axis.normal, &points))
+    (!points.is_empty()).then(|| reduce_polygon(axis.normal, &points, &mut 0))
 }
 
 fn single(axis: &Axis, point: ContactPoint) -> Manifold {

@@ -1,15 +1,40 @@
 //! Cuts a set of contact points down to the four that carry it.
 //!
-//! Four points that span a large area hold a body as well as twenty. The choice starts from the outline, not from
-//! the deepest point: in a flat contact the depths differ by rounding only, and a choice by depth would name other
-//! points at every step. The deepest point then takes the place of its nearest neighbour where it is not among
-//! them, so that the manifold never hides it.
+//! Four points that span a large area hold a body as well as twenty.
+//!
+//! Of a cloud of points the choice starts from the outline, not from the deepest point: in a flat contact the depths differ by rounding
+//! only, and a choice by depth would name other points at every step. The deepest point then takes the place of its nearest
+//! neighbour where it is not among them, so that the manifold never hides it.
+//!
+//! The corners of a polygon, what is left of one face over another, are few enough to try all sets of four. Those that touch come before
+//! those that are open still, then the area decides, and a set without the deepest is worth nothing. A choice that leaves out a corner
+//! which bears load lets that corner sink, until it is chosen and another one left out: so what the last choice kept is kept as long as
+//! it is nearly as good. Without that some boxes of a deep pile, a few in a thousand, rattled for ever.
 
+use crate::feature::corner_bit;
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
 
 /// A direction that no edge of a regular shape is parallel to: where to start, given A's frame.
 const START: [Vec3; 2] = [Vec3::new(0.83, 0.47, 0.29), Vec3::new(-0.31, 0.79, -0.53)];
+
+/// Corners of a polygon whose depths differ by less than this share of its span are as good as equally deep: a manifold hides no more of the
+/// overlap than that.
+const EQUAL_DEPTH: f32 = 2.5e-4;
+
+/// Corners that are open by less than this share of the span touch as well.
+const TOUCHING: f32 = 1e-3;
+
+/// Sets whose areas have this ratio are as good as equal.
+const EQUAL_AREA: f32 = 0.95;
+
+/// The corners that were kept touch up to this share of the span, and stay while their area has this ratio to the largest. Less loose, a box
+/// that rocks on its corner changes them at every swing, and is kept going by that.
+const KEPT_TOUCHING: f32 = 4e-3;
+const KEPT_AREA: f32 = 0.5;
+
+/// So many corners are tried four by four; of more, an outline is taken.
+const FEW: usize = 9;
 
 /// Makes a manifold from any number of points, at least one.
 pub(crate) fn reduce(normal: Vec3, points: &[ContactPoint]) -> Manifold {
@@ -43,6 +68,61 @@ pub(crate) fn reduce(normal: Vec3, points: &[ContactPoint]) -> Manifold {
         }
     }
     manifold
+}
+
+/// Makes a manifold from the corners of a polygon in their order, at least one; a point that is none may come last. `kept` has the bits
+/// ([`corner_bit`]) of the corners that the last manifold kept, 0 where that is not known, and becomes those of this one.
+pub(crate) fn reduce_polygon(normal: Vec3, points: &[ContactPoint], kept: &mut u8) -> Manifold {
+    let mut manifold = Manifold { normal, ..Manifold::default() };
+    if (5..=FEW).contains(&points.len()) {
+        manifold.points = best_four(normal, points, *kept).map(|i| points[i]);
+        manifold.count = 4;
+    } else {
+        manifold = reduce(normal, points);
+    }
+    *kept = manifold.points().iter().fold(0, |bits, p| bits | corner_bit(p.feature));
+    manifold
+}
+
+/// Of all sets of four one of the best, in ascending order.
+fn best_four(normal: Vec3, points: &[ContactPoint], kept: u8) -> [usize; 4] {
+    let deepest = first_max(points, |p| -p.distance);
+    let least = points[deepest].distance;
+    let from = points[0].position;
+    let span = points.iter().fold(0.0f32, |m, p| m.max(p.position.distance(from)));
+    // How many touch, whether one is as deep as the deepest, and the area.
+    let worth = |set: &[usize; 4], touching: f32| {
+        let below = |depth: f32| set.iter().filter(|&&i| points[i].distance <= depth).count();
+        let (touch, deep) = (below(least.max(0.0) + touching * span), below(least + EQUAL_DEPTH * span));
+        (touch, deep > 0, area(normal, set.map(|i| points[i].position)))
+    };
+    let with_deepest = fours(points.len()).filter(|set| set.contains(&deepest));
+    let most = with_deepest.map(|set| worth(&set, TOUCHING));
+    let most = most.fold((0, true, 0.0), |most, worth| if worth > most { worth } else { most });
+    let nearly = |set: &[usize; 4], touching: f32, share: f32| {
+        let (touch, deep, area) = worth(set, touching);
+        touch >= most.0 && deep && area >= share * most.2
+    };
+    let bits = |set: &[usize; 4]| set.iter().fold(0, |bits, &i| bits | corner_bit(points[i].feature));
+    fours(points.len())
+        .find(|set| kept != 0 && bits(set) == kept)
+        .filter(|set| nearly(set, KEPT_TOUCHING, KEPT_AREA))
+        // Of sets as good as each other the first: points come in the order of their names.
+        .or_else(|| fours(points.len()).find(|set| nearly(set, TOUCHING, EQUAL_AREA)))
+        .unwrap_or([0, 1, 2, 3])
+}
+
+/// All sets of four out of `n`.
+fn fours(n: usize) -> impl Iterator<Item = [usize; 4]> {
+    (0..n).flat_map(move |i| {
+        (i + 1..n).flat_map(move |j| (j + 1..n).flat_map(move |k| (k + 1..n).map(move |l| [i, j, k, l])))
+    })
+}
+
+/// Twice the area of four points, seen along `normal`: of the three ways to go around them, the one that does not cross itself.
+fn area(normal: Vec3, [a, b, c, d]: [Vec3; 4]) -> f32 {
+    let diagonals = |p: Vec3, q: Vec3| p.cross(q).dot(normal).abs();
+    diagonals(c - a, d - b).max(diagonals(b - a, d - c)).max(diagonals(d - a, c - b))
 }
 
 /// Four points, perhaps repeated, that span much of the area of all, seen along `normal`.
@@ -81,6 +161,7 @@ fn first_max(points: &[ContactPoint], key: impl Fn(&ContactPoint) -> f32) -> usi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::feature;
     use rockfall_math::trig;
 
     fn ring(n: usize, depth: impl Fn(usize) -> f32) -> Vec<ContactPoint> {
@@ -115,6 +196,42 @@ mod tests {
         let ids = |m: Manifold| m.points().iter().map(|p| p.feature).collect::<Vec<_>>();
         let flat = ids(reduce(Vec3::Z, &ring(8, |_| 0.0)));
         assert_eq!(flat, ids(reduce(Vec3::Z, &ring(8, |i| if i % 3 == 0 { -1e-7 } else { 1e-7 }))));
+    }
+
+    /// Corners of a hexagon whose deepest one changes.
+    #[test]
+    fn a_polygon_keeps_its_corners_while_they_are_nearly_as_good() {
+        let tags = |i: usize| feature::corner(0, feature::edge_tag(3), [0, 1, 2, 3, 0x80, 0x81][i]);
+        let hexagon = |depth: &dyn Fn(usize) -> f32| -> Vec<ContactPoint> {
+            let named = ring(6, depth).into_iter().enumerate();
+            named.map(|(i, point)| ContactPoint { feature: tags(i), ..point }).collect()
+        };
+        let names = |m: Manifold| m.points().iter().map(|p| p.feature).collect::<Vec<_>>();
+        let mut kept = 0;
+        let first = names(reduce_polygon(Vec3::Z, &hexagon(&|_| -1e-3), &mut kept));
+        assert_eq!(kept.count_ones(), 4);
+        // Deeper by a tenth of a thousandth of the span.
+        for i in 0..6 {
+            let tilted = hexagon(&|k| if k == i { -1.2e-3 } else { -1e-3 });
+            assert_eq!(names(reduce_polygon(Vec3::Z, &tilted, &mut kept)), first);
+        }
+        // Deeper by more: nothing hides it.
+        let hidden = (0..6).find(|&i| !first.contains(&tags(i))).expect("six corners and four of them");
+        let tilted = hexagon(&|k| if k == hidden { -1e-2 } else { -1e-3 });
+        let second = names(reduce_polygon(Vec3::Z, &tilted, &mut kept));
+        assert!(second.contains(&tags(hidden)));
+        // Back again, and it stays.
+        assert_eq!(names(reduce_polygon(Vec3::Z, &hexagon(&|_| -1e-3), &mut kept)), second);
+    }
+
+    #[test]
+    fn corners_that_touch_come_before_those_that_are_open() {
+        for open in 0..4 {
+            let depth = |i: usize| if i == open || i == open + 2 { 0.02 } else { -1e-3 };
+            let manifold = reduce_polygon(Vec3::Z, &ring(6, depth), &mut 0);
+            assert_eq!(manifold.count, 4);
+            assert!(manifold.points().iter().all(|p| p.distance < 0.0));
+        }
     }
 
     #[test]
