@@ -62,35 +62,78 @@ impl Block {
         half(0) | half(4) << 4
     }
 
-    /// Where the ray `origin + t / inverse` enters each box, t ≥ 0; infinite where it misses or enters later than
-    /// `max`. `inverse` is infinite on the axes that the ray does not follow. No hit is lost to rounding: the far ends are stretched by three roundings (Ize, "Robust BVH ray
-    /// traversal", JCGT 2013).
+    /// Where the beam enters each box, t ≥ 0, and bit i set where it does so no later than `max`. No hit is lost to rounding: each end errs by four roundings, that of the
+    /// direction among them, and the far ones are stretched by more than both (Ize, "Robust BVH ray traversal", JCGT 2013).
     #[inline]
-    pub(crate) fn enters(&self, origin: Vec3, inverse: Vec3, max: f32) -> [f32; WIDTH] {
-        const STRETCH: f32 = 1.0 + 4.0 * f32::EPSILON;
-        let mut entry = [0.0_f32; WIDTH];
-        let mut exit = [max; WIDTH];
-        for axis in 0..3 {
-            if inverse[axis].is_infinite() {
-                for (lane, exit) in exit.iter_mut().enumerate() {
-                    let between =
-                        (self.min[axis][lane] <= origin[axis]) & (origin[axis] <= self.max[axis][lane]);
-                    *exit = if between { *exit } else { -1.0 };
+    pub(crate) fn enters(&self, beam: &Beam, max: f32) -> ([f32; WIDTH], u32) {
+        let mut entries = [0.0; WIDTH];
+        let mut hits = 0;
+        for first in [0, WIDTH / 2] {
+            let lanes = |side: &[f32; WIDTH]| Vec4::from_slice(&side[first..first + 4]);
+            let mut entry = Vec4::ZERO;
+            let mut exit = Vec4::splat(max);
+            // A lane without a box holds no number, which passes no comparison.
+            let mut met = lanes(&self.min[0]).cmple(lanes(&self.max[0]));
+            for axis in 0..3 {
+                let (low, high) = (Vec4::splat(beam.area.min[axis]), Vec4::splat(beam.area.max[axis]));
+                let (min, max) = (lanes(&self.min[axis]), lanes(&self.max[axis]));
+                if beam.stays[axis] {
+                    met &= min.cmple(high) & max.cmpge(low);
+                    continue;
                 }
-                continue;
+                let inverse = Vec4::splat(beam.inverse[axis]);
+                let (near, far) = if beam.inverse[axis] > 0.0 {
+                    ((min - high) * inverse, (max - low) * inverse)
+                } else {
+                    ((max - low) * inverse, (min - high) * inverse)
+                };
+                entry = near.max(entry);
+                exit = (far * STRETCH).min(exit);
             }
-            for lane in 0..WIDTH {
-                let a = (self.min[axis][lane] - origin[axis]) * inverse[axis];
-                let b = (self.max[axis][lane] - origin[axis]) * inverse[axis];
-                let (near, far) = if a < b { (a, b) } else { (b, a) };
-                entry[lane] = if near > entry[lane] { near } else { entry[lane] };
-                exit[lane] = exit[lane].min(far * STRETCH);
+            met &= entry.cmple(exit);
+            hits |= met.bitmask() << first;
+            entries[first..first + 4].copy_from_slice(&entry.to_array());
+        }
+        (entries, hits)
+    }
+
+    /// Squared distance of each box from `area`, and bit i set where it is at most `most`. Rounded down by more than what it errs by, so that nothing near is lost.
+    #[inline]
+    pub(crate) fn squared_distances(&self, area: &Aabb, most: f32) -> ([f32; WIDTH], u32) {
+        let mut distances = [0.0; WIDTH];
+        let mut near = 0;
+        for first in [0, WIDTH / 2] {
+            let lanes = |side: &[f32; WIDTH]| Vec4::from_slice(&side[first..first + 4]);
+            let mut squared = Vec4::ZERO;
+            for axis in 0..3 {
+                let below = lanes(&self.min[axis]) - area.max[axis];
+                let above = Vec4::splat(area.min[axis]) - lanes(&self.max[axis]);
+                let gap = below.max(above).max(Vec4::ZERO);
+                squared += gap * gap;
             }
+            squared *= 1.0 - 4.0 * f32::EPSILON;
+            let holds = lanes(&self.min[0]).cmple(lanes(&self.max[0]));
+            near |= (holds & squared.cmple(Vec4::splat(most))).bitmask() << first;
+            distances[first..first + 4].copy_from_slice(&squared.to_array());
         }
-        for lane in 0..WIDTH {
-            let hit = (entry[lane] <= exit[lane]) & (self.min[0][lane] <= self.max[0][lane]);
-            entry[lane] = if hit { entry[lane] } else { f32::INFINITY };
-        }
-        entry
+        (distances, near)
+    }
+}
+
+/// By how much a far end is stretched.
+pub(crate) const STRETCH: f32 = 1.0 + 5.0 * f32::EPSILON;
+
+/// A box on its way along a straight line, or, where it is a point, a ray.
+pub(crate) struct Beam {
+    area: Aabb,
+    inverse: Vec3,
+    /// Axes that it does not move along.
+    stays: [bool; 3],
+}
+
+impl Beam {
+    pub(crate) fn new(area: &Aabb, direction: Vec3) -> Self {
+        let inverse = direction.recip();
+        Beam { area: *area, inverse, stays: inverse.to_array().map(f32::is_infinite) }
     }
 }

@@ -359,3 +359,104 @@ fn wide_is_what_meets_tens_of_thousands() {
     assert!(!few.is_wide(&Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY)));
     assert!(!Tree::default().is_wide(&Aabb::new(Vec3::ZERO, Vec3::ONE)));
 }
+
+#[test]
+fn a_box_on_its_way_meets_what_brute_force_meets() {
+    let boxes = boxes(2000, 10.0, 0.05, 100.0, 67);
+    let tree = Tree::build(&boxes);
+    let mut random = Random(71);
+    let mut total = 0;
+    for i in 0..300 {
+        let start = random.point(14.0) - Vec3::splat(2.0);
+        let area = Aabb::new(start, start + random.point(0.5));
+        let mut way = random.point(20.0) - Vec3::splat(10.0);
+        if i % 5 == 0 {
+            way[i % 3] = 0.0;
+        }
+        let mut found = Vec::new();
+        tree.cast_box(&area, way, 1.0, |item, max| {
+            found.push(item);
+            max
+        });
+        total += found.len();
+        let meets = |other: &Aabb, slack: f64| {
+            let (mut near, mut far) = (0.0_f64, 1.0_f64);
+            for axis in 0..3 {
+                let gap = |a: f32, b: f32| f64::from(a) - f64::from(b);
+                let (low, high) = (
+                    gap(other.min[axis], area.max[axis]) - slack,
+                    gap(other.max[axis], area.min[axis]) + slack,
+                );
+                let step = f64::from(way[axis]);
+                if step == 0.0 {
+                    far = if low <= 0.0 && high >= 0.0 { far } else { -1.0 };
+                } else {
+                    near = near.max((low / step).min(high / step));
+                    far = far.min((low / step).max(high / step));
+                }
+            }
+            near <= far
+        };
+        for item in 0..boxes.len() as u32 {
+            let other = &boxes[item as usize];
+            let reported = found.contains(&item);
+            assert!(reported || !meets(other, 0.0), "box {i} lost item {item}");
+            assert!(!reported || meets(other, 1e-5), "box {i} has nothing to do with item {item}");
+        }
+    }
+    assert!(total > 1000);
+}
+
+#[test]
+fn boxes_that_begin_where_another_hit_ends_are_still_met() {
+    // Many boxes with one side in common, which a slanting ray meets at a time that is no number of single precision.
+    let row: Vec<Aabb> =
+        (0..64).map(|i| Aabb::new(Vec3::new(0.1, -1.0, -1.0), Vec3::new(0.2 + i as f32, 1.0, 1.0))).collect();
+    let tree = Tree::build(&row);
+    let direction = Vec3::new(0.7, 0.003, -0.001);
+    let hit = (f64::from(0.1_f32) / f64::from(0.7_f32)) as f32;
+    let mut met = 0;
+    tree.cast_ray(Vec3::ZERO, direction, f32::INFINITY, |_, _| {
+        met += 1;
+        hit
+    });
+    assert_eq!(met, 64);
+}
+
+#[test]
+fn the_nearest_item_is_that_of_brute_force() {
+    let boxes = boxes(3000, 10.0, 0.02, 20.0, 73);
+    let tree = Tree::build(&boxes);
+    let mut random = Random(79);
+    let gap = |p: Vec3, area: &Aabb| p.distance(p.clamp(area.min, area.max));
+    let mut looks = 0;
+    for _ in 0..500 {
+        let p = random.point(16.0) - Vec3::splat(3.0);
+        let (mut best, mut item) = (f32::INFINITY, u32::MAX);
+        tree.nearest(&Aabb::new(p, p), f32::INFINITY, |other, _| {
+            looks += 1;
+            let distance = gap(p, &boxes[other as usize]);
+            if (distance, other) < (best, item) {
+                (best, item) = (distance, other);
+            }
+            best
+        });
+        let brute =
+            (0..3000).min_by(|&a, &b| gap(p, &boxes[a as usize]).total_cmp(&gap(p, &boxes[b as usize])));
+        assert_eq!(Some(item), brute);
+        let mut within = Vec::new();
+        tree.nearest(&Aabb::new(p, p), 1.0, |other, max| {
+            within.push(other);
+            max
+        });
+        for other in 0..3000 {
+            let distance = gap(p, &boxes[other as usize]);
+            assert!(within.contains(&other) || distance > 1.0);
+            assert!(!within.contains(&other) || distance < 1.000_01);
+        }
+    }
+    assert!(looks < 500 * 60, "{looks} looks: the bound does not bound");
+    tree.nearest(&Aabb::new(Vec3::NAN, Vec3::NAN), 1.0, |_, _| unreachable!("near nothing"));
+    tree.nearest(&Aabb::EMPTY, 1.0, |_, _| unreachable!("near nothing"));
+    tree.nearest(&Aabb::new(Vec3::ZERO, Vec3::ONE), -1.0, |_, _| unreachable!("no nearer than nothing"));
+}
