@@ -19,18 +19,26 @@ mod feature;
 mod gjk;
 mod half_space;
 mod manifold;
+mod overlap;
+mod point;
 mod poly;
 mod polyhedra;
+mod ray;
 mod reduce;
 mod round;
 mod sat;
 mod segments;
+mod shape_cast;
 mod sphere_box;
 mod surface;
 mod time_of_impact;
 
 pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
+pub use overlap::{overlaps, penetration};
+pub use point::{Nearest, nearest_point};
+pub use ray::{INSIDE, Ray, RayHit, cast_ray, cast_ray_by_distance};
+pub use shape_cast::cast_shape;
 pub use surface::{convex_height_field, convex_mesh};
 pub use time_of_impact::{Motion, Sweep, Toi, time_of_impact};
 

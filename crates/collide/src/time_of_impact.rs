@@ -139,22 +139,22 @@ const LAYERS: usize = 4;
 const NEAR: f32 = 0.5;
 
 /// Pieces into which the path is cut to look for triangles.
-const MAX_PIECES: usize = 64;
+pub(crate) const MAX_PIECES: usize = 64;
 
 /// A convex shape as points with a skin.
-struct Core {
-    points: SmallVec<[Vec3; 8]>,
-    radius: f32,
+pub(crate) struct Core {
+    pub(crate) points: SmallVec<[Vec3; 8]>,
+    pub(crate) radius: f32,
     /// Largest distance of the surface from the centre of rotation, metres.
-    reach: f32,
+    pub(crate) reach: f32,
     /// Largest distance of a point from the axis of rotation, metres. A skin looks the same however it turns.
-    arm: f32,
+    pub(crate) arm: f32,
 }
 
 impl Core {
     /// A shape without its outer layer, which is as thick as `less` times the inner radius or, at the far ends of a hull,
     /// thicker.
-    fn new(shape: &Shape, motion: &Motion, less: f32) -> Option<Self> {
+    pub(crate) fn new(shape: &Shape, motion: &Motion, less: f32) -> Option<Self> {
         let left = 1.0 - less;
         let (points, radius): (SmallVec<[Vec3; 8]>, f32) = match shape {
             Shape::Sphere { radius } => ([Vec3::ZERO].into_iter().collect(), left * radius),
@@ -209,7 +209,7 @@ fn furthest(points: &[Vec3], center: Vec3) -> f32 {
 }
 
 /// What A may run into.
-enum Other<'a> {
+pub(crate) enum Other<'a> {
     HalfSpace {
         normal: Vec3,
         offset: f32,
@@ -225,22 +225,22 @@ enum Other<'a> {
 }
 
 /// The nearest points at some time, in the shared frame.
-struct Gap {
+pub(crate) struct Gap {
     distance: f32,
     normal: Vec3,
     point: Vec3,
 }
 
-struct Course<'a> {
-    sweep: &'a Sweep,
+pub(crate) struct Course<'a> {
+    pub(crate) sweep: &'a Sweep,
     /// Inner radius of A, metres.
-    inner: f32,
-    target: f32,
+    pub(crate) inner: f32,
+    pub(crate) target: f32,
 }
 
 impl Course<'_> {
     /// The first impact of a core of A between `from` and `until`.
-    fn advance(&self, core: &Core, other: &Other, from: f32, until: f32) -> Option<Toi> {
+    pub(crate) fn advance(&self, core: &Core, other: &Other, from: f32, until: f32) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
         let approach = a.translation - b.translation;
         let apart = (a.center_at(0.0) - b.center_at(0.0))
@@ -294,7 +294,7 @@ impl Course<'_> {
     }
 
     /// Nearest points at a time; none where the shapes overlap.
-    fn gap(&self, core: &Core, other: &Other, time: f32) -> Option<Gap> {
+    pub(crate) fn gap(&self, core: &Core, other: &Other, time: f32) -> Option<Gap> {
         let (a, b) = (self.sweep.a.at(time), self.sweep.b.at(time));
         match other {
             Other::HalfSpace { normal, offset } => {
@@ -421,7 +421,7 @@ impl Course<'_> {
     }
 
     /// The part of B's frame that A passes through between two times.
-    fn passed(&self, whole: &Core, from: f32, until: f32) -> Aabb {
+    pub(crate) fn passed(&self, whole: &Core, from: f32, until: f32) -> Aabb {
         let Sweep { a, b } = self.sweep;
         let ends = [from, until]
             .map(|time| b.at(from).inverse_point(a.center_at(time) - b.translation * (time - from)));
