@@ -4,7 +4,7 @@
 //! every product and sum, so that the bits are the same on all of them.
 
 use crate::trig;
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 /// Rotates `v` by the unit quaternion `q`: v + 2w (u × v) + 2u × (u × v).
 #[inline]
@@ -20,6 +20,14 @@ pub fn rotate_back(q: Quat, v: Vec3) -> Vec3 {
     let u = Vec3::new(-q.x, -q.y, -q.z);
     let t = 2.0 * u.cross(v);
     v + q.w * t + u.cross(t)
+}
+
+/// [`rotate_back`] in double precision. Linear in `v` whatever the length of `q`: a line stays the line, and its parameter too.
+#[inline]
+pub fn rotate_back_double(q: Quat, v: DVec3) -> DVec3 {
+    let u = DVec3::new(f64::from(-q.x), f64::from(-q.y), f64::from(-q.z));
+    let t = 2.0 * u.cross(v);
+    v + f64::from(q.w) * t + u.cross(t)
 }
 
 /// The rotation `b`, then `a`.
@@ -93,6 +101,7 @@ mod tests {
         let v = Vec3::new(1.0, 2.0, -3.0);
         assert!(close(rotate(a, v), a * v));
         assert!(close(rotate_back(a, rotate(a, v)), v));
+        assert!(close(rotate_back_double(a, v.as_dvec3()).as_vec3(), rotate_back(a, v)));
         assert!(close(rotate(compose(a, b), v), rotate(a, rotate(b, v))));
         assert!(close(rotate(compose(a, inverse(a)), v), v));
     }

@@ -1,6 +1,7 @@
 //! The world: bodies, shapes, materials, and `step()`.
 
 mod check;
+pub(crate) mod query;
 mod read;
 mod spawn;
 mod step;
@@ -13,6 +14,7 @@ use crate::slots::Slots;
 use crate::touch::Fresh;
 use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
+use query::late::Late;
 use rockfall_math::lanes::Width;
 use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::MassProperties;
@@ -105,6 +107,10 @@ pub struct World {
     fresh: usize,
     /// Rows of bodies that were put somewhere else since the last step.
     stirred: BTreeSet<u32>,
+    /// Rows that the last step took out of their boxes; found when somebody asks.
+    drifted: OnceLock<Vec<u32>>,
+    /// These and all rows that changed since; found when somebody asks.
+    late: OnceLock<Late>,
     index: Index,
     touches: Touches,
     contacts: Contacts,
@@ -143,6 +149,8 @@ impl World {
             next_id: 1,
             fresh: 0,
             stirred: BTreeSet::new(),
+            drifted: OnceLock::new(),
+            late: OnceLock::new(),
             index: Index::default(),
             touches: Touches::default(),
             contacts: Contacts::default(),

@@ -1,7 +1,7 @@
 //! Ranges of what a caller may say.
 
 use crate::{Body, Error, Material, Settings};
-use rockfall_math::Vec3;
+use rockfall_math::{Pose, Vec3};
 
 /// Refuses `value` with a sentence unless it is in its range.
 fn value(what: &'static str, value: impl ToString, good: bool, expected: &'static str) -> Result<(), Error> {
@@ -64,13 +64,17 @@ impl Material {
 const FARTHEST: f64 = 1e12;
 
 impl Body {
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let p = self.pose.position;
+    pub(crate) fn check_pose(pose: &Pose) -> Result<(), Error> {
+        let p = pose.position;
         let near = p.is_finite() && p.abs().max_element() <= FARTHEST;
         value("position", p, near, "three numbers within 1e12 m of the origin")?;
-        let q = self.pose.rotation;
+        let q = pose.rotation;
         let length = q.length();
-        value("rotation", q, (length - 1.0).abs() < 1e-2, "a quaternion of length 1")?;
+        value("rotation", q, (length - 1.0).abs() < 1e-2, "a quaternion of length 1")
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        Body::check_pose(&self.pose)?;
         finite("velocity", self.velocity)?;
         finite("angular velocity", self.angular_velocity)?;
         value("gravity scale", self.gravity_scale, self.gravity_scale.is_finite(), "a finite number")?;

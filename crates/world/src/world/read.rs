@@ -1,5 +1,6 @@
 //! What can be read of a world, in bulk and one by one.
 
+use super::query::late::Late;
 use super::{Contact, ShapeId, World};
 use crate::bodies::State;
 use crate::measure;
@@ -159,6 +160,7 @@ impl World {
             + self.islands.memory()
             + self.contacts.memory()
             + self.moved.capacity()
+            + self.late.get().map_or(0, Late::memory)
             + (self.rows.capacity() + self.vacant.capacity()) * size_of::<u32>()
             + self.slots.memory()
     }

@@ -62,6 +62,7 @@ impl World {
         self.next_id = self.next_id.max(id.saturating_add(1));
         self.fresh += 1;
         self.sorted.take();
+        self.late.take();
         if let Some(name) = body.name {
             self.names.insert(id, name);
         }
@@ -162,14 +163,14 @@ impl World {
     /// [`Error::NoBody`]; [`Error::Value`] for a pose that no body can have.
     pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), Error> {
         let row = self.row(id)?;
-        let [shape, material] = [self.bodies.shapes[row], self.bodies.materials[row]];
-        Body::new(super::ShapeId(shape), super::MaterialId(material), pose).check()?;
+        Body::check_pose(&pose)?;
         let rotation = rotation::normalize(pose.rotation);
         let center = rotation::rotate(rotation, self.bodies.centers[row]);
         self.bodies.positions[row] = pose.position + center.as_dvec3();
         self.bodies.rotations[row] = rotation;
         self.wake(row);
         self.stirred.insert(row as u32);
+        self.late.take();
         Ok(())
     }
 

@@ -29,6 +29,8 @@ impl World {
     }
 
     fn stages(&mut self) {
+        self.late.take();
+        self.drifted.take();
         let World { settings, width, shapes, materials, bodies, index: trees, touches, .. } = self;
         let World { islands, contacts, rooms, moved, sums, report, .. } = self;
         let mut clock = Clock::new();
