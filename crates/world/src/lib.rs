@@ -34,3 +34,8 @@ pub use rockfall_shape::Shape;
 pub use settings::{Settings, Solver};
 pub use world::query::{Cast, CastHit, Filter, Lists, Movers, Penetration, PointHit, Ray, RayHit};
 pub use world::{Contact, MaterialId, ShapeId, World};
+
+/// The examples of the guide are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/queries.md")]
+struct Guide;
