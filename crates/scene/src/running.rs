@@ -130,6 +130,7 @@ impl Running {
             locks: template.locks,
             group: template.group,
             mask: template.mask,
+            sensor: false,
             mass: template.mass,
         }
     }

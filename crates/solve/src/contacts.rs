@@ -13,6 +13,7 @@ use crate::manifold::{Manifold, Memory, NO_COLOR};
 use crate::paint::{Blank, OVERFLOW, Painter};
 use crate::plan::Plan;
 use crate::shelf::{Class, Cut, HOT, Key, Lane, Shelf, TILE};
+use crate::total::Totals;
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
 use std::collections::BTreeMap;
@@ -41,6 +42,8 @@ pub struct Contacts {
     pub(crate) plan: Plan,
     pub(crate) copies: Copies,
     pub(crate) painter: Painter,
+    /// Where somebody asks.
+    pub(crate) totals: Option<Totals>,
     /// Whether rows are cut into tiles.
     pub(crate) tiled: bool,
     /// Whether a contact that came in this step found no colour.
@@ -63,6 +66,7 @@ impl Contacts {
             + self.two.memory()
             + self.four.memory()
             + self.colds.capacity() * size_of::<Cold>()
+            + self.totals.as_ref().map_or(0, Totals::memory)
             + self.buckets.values().map(bucket).sum::<usize>()
             + self.buckets.len() * size_of::<(Key, Bucket)>()
             + self.plan.memory()

@@ -30,6 +30,7 @@ mod single;
 pub mod soft;
 mod sweep;
 pub mod tally;
+mod total;
 pub mod warm;
 mod words;
 

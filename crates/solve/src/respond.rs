@@ -62,6 +62,7 @@ pub fn soft_step(
         two_sided: Softness::new(hertz, plan.damping, h),
         one_sided: Softness::new(2.0 * hertz, plan.damping, h),
     };
+    contacts.clear_totals();
     for i in 0..plan.substeps {
         let push = Push { gravity: plan.gravity, h, first: i == 0 };
         if push.first {
@@ -71,9 +72,14 @@ pub fn soft_step(
             solve(contacts, columns, width, &push, &step);
         }
         relax(contacts, columns, width, &Transform { h }, &step);
+        // The last one's impulses are those after the bounce.
+        if i + 1 < plan.substeps {
+            contacts.add_up();
+        }
     }
     let solved = Instant::now();
     bounce(contacts, columns, width, plan.restitution_threshold, plan.gravity, h);
+    contacts.add_up();
     [solved - start, solved.elapsed()]
 }
 

@@ -236,7 +236,8 @@ impl BodyRow {
             locks,
             shapes: body.shape.0,
             materials: body.material.0,
-            filters: [body.group, body.mask],
+            // Nothing collides with a sensor, nor a sensor with anything.
+            filters: [body.group, if body.sensor { 0 } else { body.mask }],
             ..BodyRow::world()
         }
     }

@@ -71,6 +71,9 @@ pub struct Body {
     pub group: u32,
     /// Groups that it collides with. Two bodies collide when each one's mask has a group of the other.
     pub mask: u32,
+    /// It collides with nothing, and tells who is in it: dynamic and kinematic bodies, their groups and masks permitting, whose shapes share a point with its own; one of the two
+    /// must be bounded and convex. See [`Events::entered`](crate::Events::entered). Other sensors it does not see.
+    pub sensor: bool,
     /// Mass properties other than those of shape and density.
     pub mass: Option<MassOverride>,
 }
@@ -93,6 +96,7 @@ impl Body {
             locks: Locks::default(),
             group: 1,
             mask: u32::MAX,
+            sensor: false,
             mass: None,
         }
     }

@@ -7,6 +7,7 @@ mod bodies;
 mod body;
 mod bound;
 mod error;
+mod events;
 mod index;
 mod link;
 mod material;
@@ -25,6 +26,7 @@ mod world;
 
 pub use body::{Body, BodyId, Kind, Locks, MassOverride};
 pub use error::Error;
+pub use events::{ContactForce, Events, Hit, Pair, Presence, Watch};
 pub use material::{Material, Mix};
 pub use report::{STAGES, StepReport};
 pub use rockfall_collide::INSIDE;
@@ -38,4 +40,5 @@ pub use world::{Contact, MaterialId, ShapeId, World};
 /// The examples of the guide are tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/queries.md")]
+#[doc = include_str!("../../../docs/events.md")]
 struct Guide;

@@ -5,8 +5,10 @@ pub(crate) mod query;
 mod read;
 mod spawn;
 mod step;
+mod watch;
 
 use crate::bodies::{Bodies, State};
+use crate::events::{Events, Watch};
 use crate::index::Index;
 use crate::link::Islands;
 use crate::measure::Sums;
@@ -119,6 +121,10 @@ pub struct World {
     sums: Vec<Sums>,
     rooms: Vec<Mutex<Fresh>>,
     report: StepReport,
+    watch: Watch,
+    events: Events,
+    /// Masks of sensors, by id.
+    sensors: BTreeMap<u64, u32>,
 }
 
 impl World {
@@ -159,6 +165,9 @@ impl World {
             sums: Vec::new(),
             rooms: Vec::new(),
             report: StepReport::default(),
+            watch: Watch::default(),
+            events: Events::default(),
+            sensors: BTreeMap::new(),
         })
     }
 

@@ -67,7 +67,7 @@ impl Filter {
 }
 
 /// A world as a query sees it.
-struct View<'a> {
+pub(super) struct View<'a> {
     bodies: &'a Bodies,
     shapes: &'a [Shape],
     late: &'a Late,
@@ -90,7 +90,7 @@ enum Items {
 }
 
 impl World {
-    fn view(&self, filter: &Filter) -> View<'_> {
+    pub(super) fn view(&self, filter: &Filter) -> View<'_> {
         let asked = |movers: bool| match filter.movers {
             Movers::All => Items::Rows,
             Movers::Only if movers => Items::Rows,
@@ -145,6 +145,17 @@ impl View<'_> {
     /// The trees that may have answers.
     fn trees(&self) -> impl Iterator<Item = (&Tree, Items)> {
         self.trees.iter().copied().filter(|(tree, items)| !tree.is_empty() && *items != Items::Unasked)
+    }
+
+    /// Calls `f` with the row and the shape of all bodies whose boxes meet `area`.
+    pub(super) fn within(&self, area: &Aabb, mut f: impl FnMut(usize, &Shape)) {
+        for (tree, items) in self.trees() {
+            tree.query(area, |item| {
+                if let Some((row, shape)) = self.body(items, item) {
+                    f(row as usize, shape);
+                }
+            });
+        }
     }
 
     /// A point of the world in the frame of a body's shape.

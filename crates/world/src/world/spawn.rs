@@ -59,6 +59,9 @@ impl World {
         self.rows[slot as usize] = self.bodies.rows() as u32;
         self.slots.insert(id, slot);
         self.bodies.push(BodyRow::of(&body, id, slot, mass));
+        if body.sensor {
+            self.sensors.insert(id, body.mask);
+        }
         self.next_id = self.next_id.max(id.saturating_add(1));
         self.fresh += 1;
         self.sorted.take();
@@ -138,6 +141,7 @@ impl World {
         self.bodies.states[row] = State::Dead;
         self.vacant.extend(self.slots.remove(id.0));
         self.names.remove(&id.0);
+        self.sensors.remove(&id.0);
         self.sorted.take();
         Ok(())
     }

@@ -96,8 +96,9 @@ impl World {
         report.split = contacts.split_bodies();
         report.serial = contacts.serial();
         measure(report, sums, bodies, contacts, settings);
+        self.tell();
         clock.lap();
-        report.times = clock.times();
+        self.report.times = clock.times();
     }
 }
 

@@ -200,13 +200,7 @@ impl View<'_> {
     /// Calls `f` with the row, the shape and the place, seen from the probe, of all bodies whose boxes the placed probe's box meets.
     fn around(&self, probe: &Probe, pose: &Pose, mut f: impl FnMut(u32, &Shape, &Isometry)) {
         let area = probe.shape.placed_bounds(pose);
-        for (tree, items) in self.trees() {
-            tree.query(&area, |item| {
-                if let Some((row, shape)) = self.body(items, item) {
-                    f(row, shape, &pose.see(&self.bodies.shape_pose(row as usize)));
-                }
-            });
-        }
+        self.within(&area, |row, shape| f(row as u32, shape, &pose.see(&self.bodies.shape_pose(row))));
     }
 
     fn cast(&self, probe: &Probe, cast: &Cast) -> Option<CastHit> {
