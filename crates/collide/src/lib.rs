@@ -5,7 +5,8 @@
 //!
 //! Each pair of shapes has the method that is exact for it: closed forms for round shapes, separating axes and
 //! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
-//! are corners and edges. The results depend on the arguments alone, to the last bit.
+//! are corners and edges; cylinders, cones and ellipsoids have that walk too, and an expanding polytope where they overlap.
+//! The results depend on the arguments alone, to the last bit.
 
 #![forbid(unsafe_code)]
 
@@ -15,10 +16,15 @@ mod closest;
 mod convex;
 mod core_poly;
 mod direction;
+mod ellipsoid;
 mod feature;
+mod form;
+mod frustum;
 mod gjk;
 mod half_space;
 mod manifold;
+mod patch;
+mod penetration;
 mod poly;
 mod polyhedra;
 mod reduce;

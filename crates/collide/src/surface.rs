@@ -10,7 +10,7 @@
 //! regions, or as active edges.)
 //!
 //! 1. `gather` takes the triangles near A, in A's frame.
-//! 2. `round` (spheres, capsules) or `solid` (boxes, hulls) finds each triangle's contacts.
+//! 2. `round` (spheres, capsules), `solid` (boxes, hulls) or `smooth` (all others) finds each triangle's contacts.
 //! 3. `merge` drops what another triangle explains better and makes manifolds of the rest.
 //!
 //! Triangles are solid on the side opposite to their normals. A body that sank in is pushed out along the normal as
@@ -21,9 +21,11 @@ mod height_field;
 mod merge;
 mod mesh;
 mod round;
+mod smooth;
 mod solid;
 
 use crate::Manifold;
+use crate::convex;
 use crate::poly::{BoxPoly, Poly};
 use facet::Facet;
 use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
@@ -129,6 +131,10 @@ struct Probe<'a> {
     radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
+    /// Depths that differ by less are equal, metres.
+    tie: f32,
+    /// Turns a direction in A's frame where outlines start; A's own frame where it has no need of another.
+    frame: Mat3,
 }
 
 /// A point of contact between A and one triangle.
@@ -163,6 +169,11 @@ fn collide<S: Surface>(
         }
         Shape::Box { half } => poly(&BoxPoly::new(*half).poly(), surface, surface_in_a, margin, out),
         Shape::Hull(hull) => poly(&Poly::from(&**hull), surface, surface_in_a, margin, out),
+        Shape::Cylinder { .. }
+        | Shape::Cone { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::RoundedBox { .. }
+        | Shape::RoundedHull { .. } => any(a, surface, surface_in_a, margin, out),
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {}
     }
 }
@@ -194,7 +205,8 @@ fn ball<S: Surface>(
     });
     let size = core[0].length() + radius;
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
-    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit };
+    let frame = Mat3::IDENTITY;
+    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit, tie: 0.0, frame };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
@@ -214,7 +226,8 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
         placed.gather(&bounds, ball, margin, |facet| a.vertices.iter().any(|&v| facet.height(v) <= margin));
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
-    let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
+    let (center, frame) = (a.center, Mat3::IDENTITY);
+    let probe = Probe { points: a.vertices, margin, size, center, radius: 0.0, limit, tie: 0.0, frame };
     let mut touches = Vec::new();
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
@@ -223,6 +236,41 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
     if kept.is_empty() {
         let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
         kept.extend(solid::nearest(reached, a, &probe));
+    }
+    merge::manifolds(&facets, &probe, kept, out);
+}
+
+/// Cylinders, cones, ellipsoids, rounded boxes and hulls.
+fn any<S: Surface>(a: &Shape, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
+    let Some(solid) = convex::solid(a) else { return };
+    let placed = place(surface, surface_in_a);
+    let bounds = a.bounds();
+    let reach = solid.skin + margin;
+    let facets = placed.gather(&bounds, a.radius_about(bounds.center()), margin, |facet| {
+        facet.height(smooth::lowest(&solid, facet.normal)) <= reach
+    });
+    let points = solid.points();
+    let size = bounds.min.abs().max(bounds.max.abs()).length();
+    let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius() };
+    let probe = Probe {
+        points: &points,
+        margin,
+        size,
+        center: a.inner_center(),
+        radius: solid.skin,
+        limit,
+        tie: smooth::tie(&solid),
+        frame: surface_in_a.rotation,
+    };
+    let mut touches = Vec::new();
+    let mut nearest = None;
+    for i in 0..facets.len() {
+        smooth::touch(&placed, &facets, i, &solid, &probe, &mut nearest, &mut touches);
+    }
+    sunk(&placed, &facets, &points, solid.skin, &probe, &mut touches);
+    let mut kept = merge::keep(&facets, &probe, &touches);
+    if kept.is_empty() {
+        kept.extend(nearest);
     }
     merge::manifolds(&facets, &probe, kept, out);
 }

@@ -5,9 +5,7 @@
 //! brute force is exact, so brute force decides and parry3d checks that both mean the same thing.
 
 use crate::brute_force::{Random, Solid, gap, judge, manifold, size};
-use parry3d::math::{Pose, Rotation};
-use parry3d::query;
-use parry3d::shape::{Ball, Capsule, ConvexPolyhedron, Cuboid};
+use crate::opinion::second_opinion;
 use rockfall_collide::{Cache, Manifold, collide, distance};
 use rockfall_math::{DVec3, Isometry, Vec3};
 use rockfall_shape::Shape;
@@ -154,23 +152,6 @@ fn check_manifold(
             assert_ne!(p.feature, q.feature, "{m:?}\n{}", what());
         }
     }
-}
-
-fn parry(shape: &Shape) -> Option<Box<dyn parry3d::shape::Shape>> {
-    Some(match shape {
-        Shape::Sphere { radius } => Box::new(Ball::new(*radius)),
-        Shape::Box { half } => Box::new(Cuboid::new(*half)),
-        Shape::Capsule { half_length, radius } => Box::new(Capsule::new_z(*half_length, *radius)),
-        Shape::Hull(hull) => Box::new(ConvexPolyhedron::from_convex_hull(&hull.vertices)?),
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
-    })
-}
-
-/// What parry3d says, and whether it has an opinion.
-fn second_opinion(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<f32> {
-    let (a, b) = (parry(a)?, parry(b)?);
-    let pose = Pose::from_parts(b_in_a.translation, Rotation::from_mat3(&b_in_a.rotation));
-    query::contact(&Pose::IDENTITY, &*a, &pose, &*b, 100.0).ok()?.map(|c| c.dist)
 }
 
 fn class_against_class(first: usize, second: usize, count: usize) {
