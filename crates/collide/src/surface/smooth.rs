@@ -12,6 +12,7 @@ use crate::patch::{LEVEL, Patch, patch};
 use crate::penetration::least_overlap;
 use crate::reduce::start;
 use rockfall_math::{Isometry, Vec3};
+use rockfall_shape::EdgeKind;
 
 /// Cosine of 3°: a direction as near as this to a normal is that normal.
 const ALIGNED: f32 = 0.9986;
@@ -55,12 +56,16 @@ pub(super) fn touch<S: Surface>(
     }
     let deepest = lowest(a, facet.normal);
     let height = facet.height(deepest);
-    // Deep inside the triangle no edge is as near as its face.
-    let inside = (0..3).all(|edge| facet.outside(edge, deepest) <= height.min(0.0));
-    if !(inside && height <= 0.0) {
+    // Deep inside the triangle no edge is as near as its face, and flat ones never push.
+    let inside = height <= 0.0 && (0..3).all(|edge| facet.outside(edge, deepest) <= height);
+    let flat = facet.kinds.iter().all(|kind| matches!(kind, EdgeKind::Flat | EdgeKind::Concave));
+    if !(inside || flat && height <= 0.0) {
         let seen = Seen::new(&Isometry::IDENTITY);
         let near = match walk(&a.form, &facet.corners[..], &seen, f64::from(probe.margin + a.skin)) {
-            Walk::Beyond(_) => return,
+            Walk::Beyond(_) => {
+                went_in_beside(facet, i, a, deepest, probe, touches);
+                return;
+            }
             Walk::Apart(near) => near,
             Walk::Overlap => least_overlap(&a.form, &facet.corners[..], &seen),
         };
@@ -77,7 +82,43 @@ pub(super) fn touch<S: Surface>(
         }
     }
     let spoke = probe.frame * start(probe.frame.transpose() * facet.normal);
+    let before = touches.len();
     on_face(facet, i, a, &patch(a, -facet.normal, spoke), deepest, probe, touches);
+    if touches.len() == before && height < 0.0 {
+        touches.extend(lowest_over(facet, i, a, height, probe));
+    }
+}
+
+/// The deepest point of A, where it lies under the triangle but A went in through a neighbour in the same plane.
+fn went_in_beside(
+    facet: &Facet,
+    i: usize,
+    a: &Solid,
+    deepest: Vec3,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    let height = facet.height(deepest);
+    if height >= 0.0 || facet.height(probe.center) <= 0.0 || !facet.holds(deepest, height) {
+        return;
+    }
+    let outside = [0, 1, 2].map(|edge| facet.outside(edge, deepest));
+    let nearest = (0..3).fold(0, |near, edge| if outside[edge] > outside[near] { edge } else { near });
+    if facet.kinds[nearest] == EdgeKind::Flat {
+        touches.push(facet.face_touch(i, deepest, a.skin, 0));
+    }
+}
+
+/// The lowest part of A over a triangle whose plane it goes through by `height`, which is negative, deepest elsewhere: what is
+/// nearest to the triangle once that is moved out of A.
+fn lowest_over(facet: &Facet, i: usize, a: &Solid, height: f32, probe: &Probe) -> Option<Touch> {
+    let out = (height - BETTER * probe.size) * facet.normal;
+    let moved = Seen::new(&Isometry { translation: out, ..Isometry::IDENTITY });
+    let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &moved, f64::INFINITY) else { return None };
+    let on_a = near.on_a.as_vec3();
+    let height = facet.height(on_a);
+    (height <= probe.margin + a.skin && facet.holds(on_a, height))
+        .then(|| facet.face_touch(i, on_a, a.skin, 0))
 }
 
 /// The contact along the line of the nearest points.
