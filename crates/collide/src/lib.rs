@@ -79,14 +79,8 @@ pub fn collide(
         return 0.0;
     }
     match (a, b) {
-        (_, Shape::Mesh(mesh)) => {
-            convex_mesh(a, mesh, b_in_a, margin, out);
-            0.0
-        }
-        (_, Shape::HeightField(field)) => {
-            convex_height_field(a, field, b_in_a, margin, out);
-            0.0
-        }
+        (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
+        (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {
             let first = out.len();
             let apart = collide(b, a, &b_in_a.inverse(), margin, cache, out);

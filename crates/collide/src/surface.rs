@@ -32,9 +32,16 @@ use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
 use rockfall_shape::{EdgeKind, HeightField, Mesh, Shape};
 
 /// Contact of the convex shape `a` with a mesh, in A's frame, appended to `out`. Points further apart than `margin` are
-/// left out. Normals point into the mesh. Nothing is appended where `a` is not convex or is a half-space.
-pub fn convex_mesh(a: &Shape, mesh: &Mesh, mesh_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
-    collide(a, mesh, mesh_in_a, margin, out);
+/// left out. Normals point into the mesh. Nothing is appended where `a` is not convex or is a half-space. Returns a distance
+/// by which both are surely apart, or 0, see [`collide`](crate::collide).
+pub fn convex_mesh(
+    a: &Shape,
+    mesh: &Mesh,
+    mesh_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
+    collide(a, mesh, mesh_in_a, margin, out)
 }
 
 /// Contact of the convex shape `a` with a height field; see [`convex_mesh`]. The field is solid all the way down.
@@ -44,8 +51,8 @@ pub fn convex_height_field(
     field_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
-    collide(a, field, field_in_a, margin, out);
+) -> f32 {
+    collide(a, field, field_in_a, margin, out)
 }
 
 /// Triangles with neighbours, in their own frame. A triangle is named by an index.
@@ -87,14 +94,28 @@ impl<S: Surface> Placed<'_, S> {
         self.rotation.transpose() * p + self.origin
     }
 
-    /// The triangles around A, which fills a ball of radius `ball` around the middle of `bounds`, in their order. What lies beyond their edges is looked up for those that are `close`.
-    fn gather(&self, bounds: &Aabb, ball: f32, margin: f32, close: impl Fn(&Facet) -> bool) -> Vec<Facet> {
+    /// The part of the surface's frame that is no further than `margin` from a box around A; its middle; and how exact that is.
+    fn around(&self, bounds: &Aabb, margin: f32) -> (Aabb, Vec3, Vec3) {
         let back = self.rotation.transpose();
         let reach = Mat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs());
         let half = reach * bounds.half_extents() * (1.0 + 1e-5) + margin;
         let centre = self.back(bounds.center());
         let slack = centre.abs() * f32::EPSILON * 2.0;
         let area = Aabb::new(centre - half - slack, centre + half + slack);
+        (area, centre, slack)
+    }
+
+    /// How far A is from a surface of which no triangle is within `margin` of the box around it: by as much as A is large, if
+    /// there is none in a box so much larger either, else by the margin.
+    fn apart(&self, bounds: &Aabb, ball: f32, margin: f32) -> f32 {
+        let mut near = false;
+        self.surface.near(&self.around(bounds, margin + ball).0, |_| near = true);
+        if near { margin } else { margin + ball }
+    }
+
+    /// The triangles around A, which fills a ball of radius `ball` around the middle of `bounds`, in their order. What lies beyond their edges is looked up for those that are `close`.
+    fn gather(&self, bounds: &Aabb, ball: f32, margin: f32, close: impl Fn(&Facet) -> bool) -> Vec<Facet> {
+        let (area, centre, slack) = self.around(bounds, margin);
         let mut triangles = Vec::new();
         self.surface.near(&area, |triangle| triangles.push(triangle));
         triangles.sort_unstable();
@@ -160,12 +181,12 @@ fn collide<S: Surface>(
     surface_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     match a {
         Shape::Sphere { radius } => ball(&[Vec3::ZERO], *radius, surface, surface_in_a, margin, out),
         Shape::Capsule { half_length, radius } => {
             let end = Vec3::Z * *half_length;
-            ball(&[-end, end], *radius, surface, surface_in_a, margin, out);
+            ball(&[-end, end], *radius, surface, surface_in_a, margin, out)
         }
         Shape::Box { half } => poly(&BoxPoly::new(*half).poly(), surface, surface_in_a, margin, out),
         Shape::Hull(hull) => poly(&Poly::from(&**hull), surface, surface_in_a, margin, out),
@@ -174,7 +195,7 @@ fn collide<S: Surface>(
         | Shape::Ellipsoid { .. }
         | Shape::RoundedBox { .. }
         | Shape::RoundedHull { .. } => any(a, surface, surface_in_a, margin, out),
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {}
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
     }
 }
 
@@ -194,7 +215,7 @@ fn ball<S: Surface>(
     surface_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(core.iter().copied()).grown(radius);
     let reach = radius + margin;
@@ -204,6 +225,9 @@ fn ball<S: Surface>(
         high <= reach && (0..3).all(|edge| wide(edge) <= reach + facet.allowance_below(high))
     });
     let size = core[0].length() + radius;
+    if facets.is_empty() {
+        return placed.apart(&bounds, size, margin);
+    }
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
     let frame = Mat3::IDENTITY;
     let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit, tie: 0.0, frame };
@@ -214,16 +238,26 @@ fn ball<S: Surface>(
     sunk(&placed, &facets, core, radius, &probe, &mut touches);
     let kept = merge::keep(&facets, &probe, &touches);
     merge::manifolds(&facets, &probe, kept, out);
+    0.0
 }
 
 /// Boxes and hulls.
-fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
+fn poly<S: Surface>(
+    a: &Poly,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(a.vertices.iter().copied());
     let middle = bounds.center();
     let ball = a.vertices.iter().fold(0.0_f32, |far, v| far.max(v.distance(middle)));
     let facets =
         placed.gather(&bounds, ball, margin, |facet| a.vertices.iter().any(|&v| facet.height(v) <= margin));
+    if facets.is_empty() {
+        return placed.apart(&bounds, ball, margin);
+    }
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
     let (center, frame) = (a.center, Mat3::IDENTITY);
@@ -238,17 +272,27 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
         kept.extend(solid::nearest(reached, a, &probe));
     }
     merge::manifolds(&facets, &probe, kept, out);
+    0.0
 }
 
 /// Cylinders, cones, ellipsoids, rounded boxes and hulls.
-fn any<S: Surface>(a: &Shape, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
-    let Some(solid) = convex::solid(a) else { return };
+fn any<S: Surface>(
+    a: &Shape,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
+    let Some(solid) = convex::solid(a) else { return 0.0 };
     let placed = place(surface, surface_in_a);
     let bounds = a.bounds();
     let reach = solid.skin + margin;
-    let facets = placed.gather(&bounds, a.radius_about(bounds.center()), margin, |facet| {
-        facet.height(smooth::lowest(&solid, facet.normal)) <= reach
-    });
+    let ball = a.radius_about(bounds.center());
+    let facets = placed
+        .gather(&bounds, ball, margin, |facet| facet.height(smooth::lowest(&solid, facet.normal)) <= reach);
+    if facets.is_empty() {
+        return placed.apart(&bounds, ball, margin);
+    }
     let points = solid.points();
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius() };
@@ -273,6 +317,7 @@ fn any<S: Surface>(a: &Shape, surface: &S, surface_in_a: &Isometry, margin: f32,
         kept.extend(nearest);
     }
     merge::manifolds(&facets, &probe, kept, out);
+    0.0
 }
 
 /// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight

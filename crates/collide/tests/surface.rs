@@ -638,6 +638,25 @@ mod oracle {
     /// A contact whenever the surfaces are nearer than the margin, none when they are not. Its distance is exact for
     /// round shapes; a polyhedron that is near a corner gets the distance of planes, which differs by a few
     /// millimetres in the worst terrain, and never by more than the margin.
+    /// What the caller relies on when it does not ask again for a while.
+    #[test]
+    fn what_is_apart_says_so_and_never_by_too_much() {
+        let mut random = Random(47);
+        let mut known = 0;
+        for (_, mesh, judge) in &terrains() {
+            for shape in &shapes() {
+                let body = parry(shape);
+                for _ in 0..100 {
+                    let (pose, truth) = lowered(&*body, judge, random.between(0.0, 2.0), &mut random);
+                    let apart = convex_mesh(shape, mesh, &pose.inverse(), 0.03, &mut Vec::new());
+                    assert!(apart <= truth + 1e-4, "{apart} of {truth}: {shape:?} {pose:?}");
+                    known += u32::from(apart > 0.1);
+                }
+            }
+        }
+        assert!(known > 200, "{known}");
+    }
+
     #[test]
     fn distances_on_rough_terrain_are_those_of_parry() {
         let mut random = Random(41);

@@ -283,3 +283,27 @@ fn a_used_cache_changes_no_bit() {
         }
     }
 }
+
+/// What the caller relies on when it does not ask again for a while.
+#[test]
+fn what_is_apart_says_so_and_never_by_too_much() {
+    let margin = 0.05;
+    for first in [0, 1, 2, 3, 4, 5] {
+        for second in [0, 1, 2, 3, 5] {
+            for (a, b, b_in_a) in poses(first, second, 2_000) {
+                let exact = EXACT * (size(&a) + size(&b) + 0.5 * b_in_a.translation.length());
+                let truth = distance(&a, &b, &b_in_a).unwrap().distance;
+                for (a, b, pose) in [(&a, &b, b_in_a), (&b, &a, b_in_a.inverse())] {
+                    let (mut cache, mut out) = (Cache::default(), Vec::new());
+                    // With an empty cache and with what it learnt.
+                    for _ in 0..2 {
+                        let apart = collide(a, b, &pose, margin, &mut cache, &mut out);
+                        assert!(apart <= truth.max(0.0) + exact, "{apart} of {truth}: {a:?} {b:?} {pose:?}");
+                        let known = truth <= margin + exact || apart >= margin - exact;
+                        assert!(known, "{apart} of {truth}: {a:?} {b:?} {pose:?}");
+                    }
+                }
+            }
+        }
+    }
+}
