@@ -66,7 +66,7 @@ fn what_stands_stands_still() {
         let mut ids: Vec<(&str, BodyId)> = Vec::new();
         for (k, (name, shape, z, turn)) in standing.iter().enumerate() {
             let shape = stage.shape(shape.clone());
-            let position = DVec3::new(1.9 * k as f64 - 6.1, 0.3, f64::from(*z));
+            let position = DVec3::new(1.9 * k as f64 - 6.1, 0.3, *z);
             ids.push((name, stage.put(stage.body(shape, Pose { position, rotation: *turn }))));
         }
         let drum = stage.shape(Shape::Cylinder { half_length: 0.3, radius: 0.5 });
