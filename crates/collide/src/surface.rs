@@ -307,14 +307,13 @@ fn any<S: Surface>(
         frame: surface_in_a.rotation,
     };
     let mut touches = Vec::new();
-    let mut nearest = None;
     for i in 0..facets.len() {
-        smooth::touch(&placed, &facets, i, &solid, &probe, &mut nearest, &mut touches);
+        smooth::touch(&placed, &facets, i, &solid, &probe, &mut touches);
     }
     sunk(&placed, &facets, &points, solid.skin, &probe, &mut touches);
     let mut kept = merge::keep(&facets, &probe, &touches);
     if kept.is_empty() {
-        kept.extend(nearest);
+        kept.extend(smooth::nearest(&facets, &solid, &probe));
     }
     merge::manifolds(&facets, &probe, kept, out);
     0.0

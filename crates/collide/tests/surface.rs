@@ -259,12 +259,14 @@ fn a_box_on_triangles_has_the_four_corners_that_it_has_on_a_plane() {
 #[test]
 fn a_sliding_body_feels_no_seams() {
     for mesh in &floors()[..3] {
-        for shape in &all_shapes() {
+        for (k, shape) in all_shapes().iter().enumerate() {
+            // Hundreds of small triangles under one body take milliseconds.
+            let stride = if k >= shapes().len() && mesh.triangles.len() > 5000 { 8 } else { 1 };
             for tilt in [0.0, 1e-4, 3e-3, 0.03, 0.2] {
                 let lean = rotation::from_rotation_vector(Vec3::new(tilt, 0.7 * tilt, 0.4));
                 let mut pose = at(Vec3::ZERO, lean);
                 let lowest = lowest_along(shape, &pose, Vec3::Z);
-                for k in 0..200 {
+                for k in (0..200).step_by(stride) {
                     let t = k as f32 * 0.0074;
                     pose.translation = Vec3::new(t - 0.7, 0.31 * t, -lowest - 0.003);
                     let what = format!("step {k}, tilt {tilt}, {}", shape.name());

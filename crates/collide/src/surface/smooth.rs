@@ -39,15 +39,13 @@ pub(super) fn tie(a: &Solid) -> f32 {
     }
 }
 
-/// Contacts of A with triangle `i`. `nearest` becomes the nearest points of A and any triangle in front of it, for the case that
-/// no triangle has contacts.
+/// Contacts of A with triangle `i`.
 pub(super) fn touch<S: Surface>(
     placed: &Placed<S>,
     facets: &[Facet],
     i: usize,
     a: &Solid,
     probe: &Probe,
-    nearest: &mut Option<Touch>,
     touches: &mut Vec<Touch>,
 ) {
     let facet = &facets[i];
@@ -59,7 +57,7 @@ pub(super) fn touch<S: Surface>(
     // Deep inside the triangle no edge is as near as its face, and flat ones never push.
     let inside = height <= 0.0 && (0..3).all(|edge| facet.outside(edge, deepest) <= height);
     let flat = facet.kinds.iter().all(|kind| matches!(kind, EdgeKind::Flat | EdgeKind::Concave));
-    if !(inside || flat && height <= 0.0) {
+    if !(inside || flat) {
         let seen = Seen::new(&Isometry::IDENTITY);
         let near = match walk(&a.form, &facet.corners[..], &seen, f64::from(probe.margin + a.skin)) {
             Walk::Beyond(_) => {
@@ -70,9 +68,6 @@ pub(super) fn touch<S: Surface>(
             Walk::Overlap => least_overlap(&a.form, &facet.corners[..], &seen),
         };
         let touch = along(facet, i, a, &near);
-        if facet.height(touch.on_a) > 0.0 && nearest.as_ref().is_none_or(|n| touch.distance < n.distance) {
-            *nearest = Some(touch);
-        }
         let cosine = touch.out.dot(facet.normal);
         let better = near.distance as f32 > height + BETTER * probe.size || near.distance > 0.0;
         if cosine > 0.0 && cosine < ALIGNED && better && pushes(placed, facet, touch.out, near.on_b.as_vec3())
@@ -87,6 +82,23 @@ pub(super) fn touch<S: Surface>(
     if touches.len() == before && height < 0.0 {
         touches.extend(lowest_over(facet, i, a, height, probe));
     }
+}
+
+/// The nearest points of A and any triangle that it is in front of, for where no triangle has contacts: over the bottom of a
+/// valley, as seen from each side, A is lowest beyond the other.
+pub(super) fn nearest(facets: &[Facet], a: &Solid, probe: &Probe) -> Option<Touch> {
+    let mut best: Option<Touch> = None;
+    for (i, facet) in facets.iter().enumerate().filter(|(_, facet)| facet.close) {
+        let limit = best.map_or(probe.margin, |touch| touch.distance) + a.skin;
+        let seen = Seen::new(&Isometry::IDENTITY);
+        let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &seen, f64::from(limit)) else { continue };
+        let touch = along(facet, i, a, &near);
+        let front = facet.height(near.on_a.as_vec3()) > 0.0;
+        if front && best.is_none_or(|best| touch.distance < best.distance) {
+            best = Some(touch);
+        }
+    }
+    best
 }
 
 /// The deepest point of A, where it lies under the triangle but A went in through a neighbour in the same plane.
