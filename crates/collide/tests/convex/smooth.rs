@@ -297,7 +297,7 @@ classes! {
 
 /// The whole protocol.
 #[test]
-#[ignore = "takes half an hour"]
+#[ignore = "takes two hours on one core"]
 fn a_hundred_thousand_poses_of_each_pair() {
     for first in NEW {
         class_against(first, &OLD, 100_000);

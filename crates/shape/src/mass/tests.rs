@@ -281,7 +281,9 @@ fn a_rounded_box_weighs_the_same_as_the_rounded_hull_of_a_box() {
         let moved = Shape::RoundedHull { hull: Arc::new(Hull::from_points(&moved).unwrap()), radius };
         let there = moved.mass_properties(100.0).unwrap();
         let back = MassProperties { center: there.center - Vec3::new(64.0, -8.0, 16.0), ..there };
-        assert!(error(&back, &by_formula, 1.0) < 4e-3 * 0.01 / half.min_element(), "{back:?} {by_formula:?}");
+        // Coordinates near 64 m are rounded to 4e-6 m, which is a share of the thinnest side.
+        let rounding = 1e-5 / half.min_element() + 1e-5;
+        assert!(error(&back, &by_formula, 1.0) < rounding, "{back:?} {by_formula:?}");
     }
     // What is left of a tiny box is the ball.
     let ball = Shape::Sphere { radius: 1.0 }.mass_properties(1.0).unwrap();
