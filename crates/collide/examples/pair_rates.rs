@@ -95,4 +95,20 @@ fn main() {
     measure("hull16-hull16 shallow", &set(&small, &small, 3.0, &resting), 0.02);
     measure("hull32-hull32 contact", &set(&large, &large, 3.0, &pile), 0.02);
     measure("hull16-box contact", &set(&small, &cube, 3.0, &pile), 0.02);
+
+    let drum = Shape::Cylinder { half_length: 0.5, radius: 0.5 };
+    let egg = Shape::Ellipsoid { half: Vec3::new(0.6, 0.5, 0.4) };
+    let die = Shape::RoundedBox { half: Vec3::splat(0.4), radius: 0.1 };
+    measure("cylinder-box stacked", &set(&cube, &drum, 1e-3, &stacked), 0.02);
+    measure("cylinder-box hovering", &set(&cube, &drum, 1e-3, &hovering), 0.02);
+    measure("cylinder-box any contact", &set(&cube, &drum, 1.0, &pile), 0.02);
+    measure("cylinder-cylinder apart", &set(&drum, &drum, 1.0, &apart), 0.02);
+    measure("cylinder-cylinder contact", &set(&drum, &drum, 1.0, &pile), 0.02);
+    measure("cylinder-sphere", &set(&drum, &ball, 1.0, &|r: &mut Random| 1.2 * r.vector()), 0.02);
+    measure("ellipsoid-ellipsoid contact", &set(&egg, &egg, 3.0, &|r: &mut Random| r.vector()), 0.02);
+    measure(
+        "rounded box-rounded box",
+        &set(&die, &die, 1.0, &|r: &mut Random| 1.1 * r.vector().normalize()),
+        0.02,
+    );
 }

@@ -37,8 +37,12 @@ pub(crate) fn incident(corners: impl ExactSizeIterator<Item = Vec3>) -> Polygon 
         .collect()
 }
 
+/// Cosine of the angle between two sides' directions outwards beyond which the corner between them is cut off: 120 degrees,
+/// where that corner is sharper than 60 and, moved out, is twice `slack` away.
+const SHARP: f32 = -0.5;
+
 /// What is left of `polygon` between the sides of the face with the corners `reference` (counter-clockwise around
-/// `normal`), each side moved out by `slack` metres. The sides run along `along`, which is near to the normal or
+/// `normal`), each side moved out by `slack` metres and sharp corners by twice as much. The sides run along `along`, which is near to the normal or
 /// its opposite: what is left meets the face when it moves that way.
 pub(crate) fn clip(
     mut polygon: Polygon,
@@ -48,19 +52,29 @@ pub(crate) fn clip(
     slack: f32,
 ) -> Polygon {
     let shear = along / along.dot(normal);
-    let mut from = reference[reference.len() - 1];
+    let n = reference.len();
+    let mut from = reference[n - 1];
+    let mut before = (from - reference[n - 2]).cross(normal).normalize_or_zero();
     let mut heights: SmallVec<[f32; 24]> = SmallVec::new();
+    let mut keep = |outward: Vec3, from: Vec3, slack: f32, tag: u8| {
+        let outward = outward - outward.dot(shear) * normal;
+        heights.clear();
+        heights.extend(polygon.iter().map(|c| outward.dot(c.position - from) - slack));
+        if heights.iter().any(|&h| h > 0.0) {
+            polygon = cut(&polygon, &heights, tag);
+        }
+    };
     for (k, &to) in reference.iter().enumerate() {
         let outward = (to - from).cross(normal);
         let length = outward.length();
         if length > 0.0 {
             let outward = outward / length;
-            let outward = outward - outward.dot(shear) * normal;
-            heights.clear();
-            heights.extend(polygon.iter().map(|c| outward.dot(c.position - from) - slack));
-            if heights.iter().any(|&h| h > 0.0) {
-                polygon = cut(&polygon, &heights, feature::side_tag(k));
+            keep(outward, from, slack, feature::side_tag(k));
+            if outward.dot(before) < SHARP {
+                let middle = (outward + before).normalize_or_zero();
+                keep(middle, from, 2.0 * slack, feature::side_tag(n + k));
             }
+            before = outward;
         }
         from = to;
     }
@@ -83,6 +97,43 @@ fn cut(polygon: &[Corner], heights: &[f32], side: u8) -> Polygon {
         }
     }
     left
+}
+
+/// An end of what is left of a segment: where, and the tags of what cut it.
+#[derive(Clone, Copy)]
+pub(crate) struct End {
+    pub(crate) t: f32,
+    pub(crate) before: u8,
+    pub(crate) after: u8,
+}
+
+/// What is left of a segment between the sides of a face with this normal, when it moves along `along`; each side, a
+/// corner and the direction away from the face (not unit), stands back by `slack`.
+pub(crate) fn segment(
+    sides: impl Iterator<Item = (Vec3, Vec3)>,
+    normal: Vec3,
+    along: Vec3,
+    core: [Vec3; 2],
+    slack: f32,
+) -> Option<[End; 2]> {
+    let direction = core[1] - core[0];
+    let shear = along / normal.dot(along);
+    let mut low = End { t: 0.0, before: feature::edge_tag(0), after: 0 };
+    let mut high = End { t: 1.0, before: feature::edge_tag(1), after: 1 };
+    for (k, (corner, outward)) in sides.enumerate() {
+        let stand_back = slack * outward.length();
+        let outward = outward - outward.dot(shear) * normal;
+        let height = outward.dot(core[0] - corner) - stand_back;
+        let slope = outward.dot(direction);
+        if slope > 0.0 && -height < slope * high.t {
+            high = End { t: -height / slope, before: feature::side_tag(k), ..high };
+        } else if slope < 0.0 && height > -slope * low.t {
+            low = End { t: height / -slope, before: feature::side_tag(k), ..low };
+        } else if slope == 0.0 && height > 0.0 {
+            return None;
+        }
+    }
+    (low.t <= high.t).then_some([low, high])
 }
 
 #[cfg(test)]
@@ -122,6 +173,15 @@ mod tests {
         let moved = square(1.0, 1.0).map(|p| p + 0.1 * Vec3::X);
         let left = clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, along, 1e-6);
         assert_eq!(left.iter().map(|c| c.position).collect::<Vec<_>>(), moved);
+    }
+
+    #[test]
+    fn a_sharp_corner_does_not_reach_far() {
+        // A splinter 10 m long and 2 mm wide at its end: moved out by 1 mm, its sides meet 10 m further on.
+        let splinter = [Vec3::ZERO, Vec3::new(10.0, -1e-3, 0.0), Vec3::new(10.0, 1e-3, 0.0)];
+        let left = clip(incident(square(50.0, 1.0).into_iter()), &splinter, Vec3::Z, Vec3::Z, 1e-3);
+        assert!(left.iter().all(|c| c.position.x > -2.1e-3 && c.position.x < 10.01), "{}", left.len());
+        assert!(left.len() >= 3);
     }
 
     #[test]

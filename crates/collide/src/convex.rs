@@ -1,22 +1,28 @@
 //! Which function is for which pair of convex shapes.
 //!
-//! Each pair is handled in one order: half-space, hull, box, capsule, sphere. The other order is that one, seen from
-//! the other side.
+//! Each pair is handled in one order: half-space, hull, box, cylinder or cone, ellipsoid, capsule, sphere. The other
+//! order is that one, seen from the other side. Rounded hulls and boxes are hulls and boxes with a skin.
 
 use crate::closest::Closest;
+use crate::form::{Form, Solid};
 use crate::half_space::HalfSpace;
 use crate::poly::{BoxPoly, Poly};
 use crate::round::{self, Capsule};
-use crate::{Cache, Manifold, box_box, core_poly, polyhedra, sphere_box};
+use crate::{Cache, Manifold, box_box, core_poly, ellipsoid, frustum, patch, polyhedra, sphere_box};
 use rockfall_math::{Isometry, Vec3};
-use rockfall_shape::Shape;
+use rockfall_shape::{Frustum, Shape};
 
 /// A convex shape, ready for its pair function.
 #[derive(Clone, Copy)]
 enum Convex<'a> {
     HalfSpace(HalfSpace),
     Hull(Poly<'a>),
+    RoundedHull(Poly<'a>, f32),
     Box(Vec3),
+    RoundedBox(Vec3, f32),
+    Frustum(Frustum),
+    /// Half axes.
+    Ellipsoid(Vec3),
     Capsule(Capsule),
     Sphere(f32),
 }
@@ -28,7 +34,11 @@ impl<'a> Convex<'a> {
                 Convex::HalfSpace(HalfSpace { normal: *normal, offset: *offset })
             }
             Shape::Hull(hull) => Convex::Hull(Poly::from(&**hull)),
+            Shape::RoundedHull { hull, radius } => Convex::RoundedHull(Poly::from(&**hull), *radius),
             Shape::Box { half } => Convex::Box(*half),
+            Shape::RoundedBox { half, radius } => Convex::RoundedBox(*half, *radius),
+            Shape::Cylinder { .. } | Shape::Cone { .. } => Convex::Frustum(Frustum::of(shape)?),
+            Shape::Ellipsoid { half } => Convex::Ellipsoid(*half),
             Shape::Capsule { half_length, radius } => {
                 Convex::Capsule(Capsule { half_length: *half_length, radius: *radius })
             }
@@ -41,11 +51,51 @@ impl<'a> Convex<'a> {
         match self {
             Convex::HalfSpace(_) => 0,
             Convex::Hull(_) => 1,
-            Convex::Box(_) => 2,
-            Convex::Capsule(_) => 3,
-            Convex::Sphere(_) => 4,
+            Convex::RoundedHull(..) => 2,
+            Convex::Box(_) => 3,
+            Convex::RoundedBox(..) => 4,
+            Convex::Frustum(_) => 5,
+            Convex::Ellipsoid(_) => 6,
+            Convex::Capsule(_) => 7,
+            Convex::Sphere(_) => 8,
         }
     }
+
+    /// For the general functions; nothing for half-spaces.
+    fn solid(&self) -> Option<Solid<'a>> {
+        Some(match *self {
+            Convex::HalfSpace(_) => return None,
+            Convex::Hull(poly) => Solid::new(Form::Hull(poly), 0.0),
+            Convex::RoundedHull(poly, radius) => Solid::new(Form::Hull(poly), radius),
+            Convex::Box(half) => Solid::new(Form::Box(BoxPoly::new(half)), 0.0),
+            Convex::RoundedBox(half, radius) => Solid::new(Form::Box(BoxPoly::new(half)), radius),
+            Convex::Frustum(frustum) => Solid::new(Form::Frustum(frustum), 0.0),
+            Convex::Ellipsoid(half) => Solid::new(Form::Ellipsoid(half), 0.0),
+            Convex::Capsule(Capsule { half_length, radius }) => {
+                Solid::new(Form::Segment(half_length), radius)
+            }
+            Convex::Sphere(radius) => Solid::new(Form::Segment(0.0), radius),
+        })
+    }
+
+    /// What a rounded shape was before it has grown, and by how much.
+    fn without_skin(&self) -> (Convex<'a>, f32) {
+        match *self {
+            Convex::RoundedHull(poly, radius) => (Convex::Hull(poly), radius),
+            Convex::RoundedBox(half, radius) => (Convex::Box(half), radius),
+            other => (other, 0.0),
+        }
+    }
+
+    /// Whether it is round with a flat end, or round with three half axes.
+    fn is_smooth(&self) -> bool {
+        matches!(self, Convex::Frustum(_) | Convex::Ellipsoid(_))
+    }
+}
+
+/// A bounded convex shape for the general functions.
+pub(crate) fn solid(shape: &Shape) -> Option<Solid<'_>> {
+    Convex::of(shape)?.solid()
 }
 
 /// Appends the manifold of two convex shapes if they come within `margin`. Returns how far apart they are at least, as far
@@ -84,46 +134,91 @@ fn in_order(
     out: &mut Vec<Manifold>,
 ) -> f32 {
     use Convex::{Box, Capsule, HalfSpace, Hull, Sphere};
+    if a.is_smooth() || b.is_smooth() {
+        return match (a, a.solid(), b.solid()) {
+            (HalfSpace(a), _, Some(b)) => put(patch::on_half_space(a, &b, b_in_a, margin), out),
+            (_, Some(a), Some(b)) => smooth(&a, &b, b_in_a, margin, cache, out),
+            _ => 0.0,
+        };
+    }
+    let ((core_a, skin_a), (core_b, skin_b)) = (a.without_skin(), b.without_skin());
+    if skin_a + skin_b > 0.0 {
+        let start = out.len();
+        let apart = in_order(&core_a, &core_b, b_in_a, margin + skin_a + skin_b, cache, out);
+        for manifold in &mut out[start..] {
+            manifold.grow(skin_a, skin_b);
+        }
+        return (apart - (skin_a + skin_b)).max(0.0);
+    }
     let center = b_in_a.translation;
-    let manifold = match (a, b) {
+    let found = match (a, b) {
         (Box(a), Box(b)) => return box_box::collide(*a, *b, b_in_a, margin, cache, out),
         (Hull(a), Hull(b)) => return polyhedra::collide(a, b, b_in_a, margin, cache, out),
         (Hull(a), Box(b)) => {
             return polyhedra::collide(a, &BoxPoly::new(*b).poly(), b_in_a, margin, cache, out);
         }
-        (Box(a), Sphere(b)) => {
-            return single(sphere_box::point(*a, center).with_skins(0.0, *b), margin, out);
-        }
-        (Capsule(a), Sphere(b)) => return single(round::capsule_sphere(*a, *b, b_in_a), margin, out),
-        (Sphere(a), Sphere(b)) => return single(round::spheres(*a, *b, b_in_a), margin, out),
+        (Box(a), Sphere(b)) => within(sphere_box::point(*a, center).with_skins(0.0, *b), margin),
+        (Capsule(a), Sphere(b)) => within(round::capsule_sphere(*a, *b, b_in_a), margin),
+        (Sphere(a), Sphere(b)) => within(round::spheres(*a, *b, b_in_a), margin),
         (HalfSpace(a), Hull(b)) => a.poly_manifold(b, b_in_a, margin),
         (HalfSpace(a), Box(b)) => a.poly_manifold(&BoxPoly::new(*b).poly(), b_in_a, margin),
         (HalfSpace(a), Capsule(b)) => a.manifold(&b.core(), b.radius, b_in_a, margin),
         (HalfSpace(a), Sphere(b)) => a.manifold(&[Vec3::ZERO], *b, b_in_a, margin),
         (Hull(a), Capsule(b)) => core_poly::capsule_manifold(a, b.placed_core(b_in_a), b.radius, margin),
         (Hull(a), Sphere(b)) => core_poly::point(a, center, margin + b)
-            .map(|c| c.with_skins(0.0, *b))
-            .filter(|c| c.distance <= margin)
-            .map(|c| c.manifold()),
+            .map_err(|apart| apart - b)
+            .and_then(|c| within(c.with_skins(0.0, *b), margin)),
         (Box(a), Capsule(b)) => {
             let core = b.placed_core(b_in_a);
             core_poly::capsule_manifold(&BoxPoly::new(*a).poly(), core, b.radius, margin)
         }
         (Capsule(a), Capsule(b)) => round::capsules_manifold(*a, *b, b_in_a, margin),
         // Two half-spaces; no other pair is out of order.
-        _ => None,
+        _ => Err(0.0),
     };
-    out.extend(manifold);
-    0.0
+    put(found, out)
+}
+
+/// A cylinder, a cone or an ellipsoid, and any bounded shape.
+fn smooth(
+    a: &Solid,
+    b: &Solid,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) -> f32 {
+    match smooth_and_ball(a, b, b_in_a) {
+        Some(closest) => put(within(closest, margin), out),
+        None => patch::collide(a, b, b_in_a, margin, cache, out),
+    }
+}
+
+/// The closed forms.
+fn smooth_and_ball(a: &Solid, b: &Solid, b_in_a: &Isometry) -> Option<Closest> {
+    let center = b_in_a.translation;
+    match (&a.form, &b.form) {
+        (Form::Frustum(a), Form::Segment(0.0)) => Some(frustum::point(a, center)),
+        (Form::Ellipsoid(a), Form::Segment(0.0)) => Some(ellipsoid::point(*a, center)),
+        _ => None,
+    }
+    .map(|c| c.with_skins(a.skin, b.skin))
+}
+
+/// Appends a manifold, or says how far apart the shapes are at least.
+fn put(found: Result<Manifold, f32>, out: &mut Vec<Manifold>) -> f32 {
+    match found {
+        Ok(manifold) => {
+            out.push(manifold);
+            0.0
+        }
+        Err(apart) => apart.max(0.0),
+    }
 }
 
 /// The manifold of two nearest points within `margin`, or their distance.
-fn single(closest: Closest, margin: f32, out: &mut Vec<Manifold>) -> f32 {
-    if closest.distance > margin {
-        return closest.distance;
-    }
-    out.push(closest.manifold());
-    0.0
+fn within(closest: Closest, margin: f32) -> Result<Manifold, f32> {
+    if closest.distance > margin { Err(closest.distance) } else { Ok(closest.manifold()) }
 }
 
 /// Signed distance of two convex shapes.
@@ -138,6 +233,19 @@ pub(crate) fn closest(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Closest
 
 fn closest_in_order(a: &Convex, b: &Convex, b_in_a: &Isometry) -> Option<Closest> {
     use Convex::{Box, Capsule, HalfSpace, Hull, Sphere};
+    if a.is_smooth() || b.is_smooth() {
+        return match (a, a.solid(), b.solid()) {
+            (HalfSpace(a), _, Some(b)) => Some(patch::half_space_closest(a, &b, b_in_a)),
+            (_, Some(a), Some(b)) => {
+                smooth_and_ball(&a, &b, b_in_a).or_else(|| patch::closest(&a, &b, b_in_a))
+            }
+            _ => None,
+        };
+    }
+    let ((core_a, skin_a), (core_b, skin_b)) = (a.without_skin(), b.without_skin());
+    if skin_a + skin_b > 0.0 {
+        return closest_in_order(&core_a, &core_b, b_in_a).map(|c| c.with_skins(skin_a, skin_b));
+    }
     let far = f32::INFINITY;
     let center = b_in_a.translation;
     match (a, b) {
@@ -150,7 +258,7 @@ fn closest_in_order(a: &Convex, b: &Convex, b_in_a: &Isometry) -> Option<Closest
         (Hull(a), Capsule(b)) => {
             core_poly::segment(a, b.placed_core(b_in_a), far).map(|c| c.with_skins(0.0, b.radius))
         }
-        (Hull(a), Sphere(b)) => core_poly::point(a, center, far).map(|c| c.with_skins(0.0, *b)),
+        (Hull(a), Sphere(b)) => core_poly::point(a, center, far).ok().map(|c| c.with_skins(0.0, *b)),
         (Box(a), Box(b)) => {
             Some(polyhedra::closest(&BoxPoly::new(*a).poly(), &BoxPoly::new(*b).poly(), b_in_a))
         }

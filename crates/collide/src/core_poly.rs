@@ -1,6 +1,6 @@
 //! A polyhedron against a sphere or a capsule: the core is a point or a segment, the skin is taken off the distance.
 
-use crate::clip::SLACK;
+use crate::clip::{self, End, SLACK};
 use crate::closest::Closest;
 use crate::feature;
 use crate::gjk::{self, Proximity};
@@ -13,13 +13,13 @@ use rockfall_math::{Isometry, Vec3};
 /// Cosine of the angle between the normal and a face above which a segment lies on that face: 11 degrees.
 const FACE_COSINE: f32 = 0.98;
 
-/// A point near a polyhedron, no further than `limit`.
-pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Option<Closest> {
+/// A point near a polyhedron, no further than `limit`, or how far away it is at least.
+pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Result<Closest, f32> {
     let mut best = (0, f32::NEG_INFINITY);
     for (f, (n, offset)) in a.normals.iter().zip(a.offsets).enumerate() {
         let height = n.dot(p) - offset;
         if height > limit {
-            return None;
+            return Err(height);
         }
         if height > best.1 {
             best = (f, height);
@@ -29,7 +29,7 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Option<Closest> {
     let (f, height) = best;
     if height <= 0.0 || above_face(a, f, p) {
         let normal = a.normals[f];
-        return Some(Closest {
+        return Ok(Closest {
             distance: height,
             normal,
             on_a: p - height * normal,
@@ -38,10 +38,10 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Option<Closest> {
         });
     }
     match gjk::proximity(a.vertices, &[p], &Isometry::IDENTITY, limit) {
-        Proximity::Apart(closest) => Some(closest),
-        Proximity::Beyond(_) => None,
+        Proximity::Apart(closest) => Ok(closest),
+        Proximity::Beyond(axis) => Err(apart(a, &[p], axis).max(limit)),
         // On an edge or a corner, to the last digit.
-        Proximity::Overlap => Some(Closest {
+        Proximity::Overlap => Ok(Closest {
             distance: 0.0,
             normal: a.normals[f],
             on_a: p,
@@ -74,10 +74,18 @@ pub(crate) fn segment(a: &Poly, core: [Vec3; 2], limit: f32) -> Option<Closest> 
     }
 }
 
-/// The manifold of a polyhedron and a segment with a skin of `radius`: two points where it lies on a face.
-pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f32) -> Option<Manifold> {
+/// How far apart a direction (not unit) from the polyhedron to the points proves them to be.
+fn apart(a: &Poly, points: &[Vec3], axis: Vec3) -> f32 {
+    let axis = axis.normalize_or_zero();
+    let nearest = points.iter().fold(f32::INFINITY, |least, p| least.min(axis.dot(*p)));
+    nearest - axis.dot(a.support(axis))
+}
+
+/// The manifold of a polyhedron and a segment with a skin of `radius`, or how far apart they are at least: two points where
+/// it lies on a face.
+pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f32) -> Result<Manifold, f32> {
     match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, margin + radius) {
-        Proximity::Beyond(_) => None,
+        Proximity::Beyond(axis) => Err((apart(a, &core, axis) - radius).max(margin)),
         Proximity::Apart(closest) => {
             let nearest = closest.with_skins(0.0, radius);
             let (f, cosine) = a.face_towards(closest.normal);
@@ -91,7 +99,7 @@ pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f
                 manifold.points[manifold.count as usize] = nearest.point();
                 manifold.count += 1;
             }
-            Some(manifold)
+            Ok(manifold)
         }
         Proximity::Overlap => {
             let overlap = least_overlap(a, core);
@@ -99,7 +107,7 @@ pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f
             let ahead = preference(a.inner_radius, separation);
             let over_face = over_face(a, f, a.normals[f], separation, core, radius, margin);
             let holds = over_face.deepest() + radius <= separation + ahead;
-            Some(match overlap.edge {
+            Ok(match overlap.edge {
                 Some(edge) if edge.distance > separation + ahead || !holds => {
                     edge.with_skins(0.0, radius).manifold()
                 }
@@ -146,35 +154,9 @@ fn over_face(
     manifold
 }
 
-/// An end of what is left of a segment: where, and the tags of what cut it.
-#[derive(Clone, Copy)]
-struct End {
-    t: f32,
-    before: u8,
-    after: u8,
-}
-
 /// The part of a segment over face `f` when it moves along `along`; the sides of the face stand back by `slack`.
 fn clip(a: &Poly, f: usize, along: Vec3, core: [Vec3; 2], slack: f32) -> Option<[End; 2]> {
-    let direction = core[1] - core[0];
-    let normal = a.normals[f];
-    let shear = along / normal.dot(along);
-    let mut low = End { t: 0.0, before: feature::edge_tag(0), after: 0 };
-    let mut high = End { t: 1.0, before: feature::edge_tag(1), after: 1 };
-    for (k, (corner, outward)) in sides(a, f).enumerate() {
-        let stand_back = slack * outward.length();
-        let outward = outward - outward.dot(shear) * normal;
-        let height = outward.dot(core[0] - corner) - stand_back;
-        let slope = outward.dot(direction);
-        if slope > 0.0 && -height < slope * high.t {
-            high = End { t: -height / slope, before: feature::side_tag(k), ..high };
-        } else if slope < 0.0 && height > -slope * low.t {
-            low = End { t: height / -slope, before: feature::side_tag(k), ..low };
-        } else if slope == 0.0 && height > 0.0 {
-            return None;
-        }
-    }
-    (low.t <= high.t).then_some([low, high])
+    clip::segment(sides(a, f), a.normals[f], along, core, slack)
 }
 
 /// The ways out of a polyhedron for a segment inside.

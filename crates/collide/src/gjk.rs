@@ -10,6 +10,77 @@ use crate::feature;
 use rockfall_math::{DVec3, Isometry, Vec3};
 use smallvec::SmallVec;
 
+/// A convex set that the walk can ask for its furthest point.
+pub(crate) trait Core {
+    /// A point of the set that was furthest in some direction.
+    type Vertex: Copy + Default + PartialEq;
+    /// The point furthest along a direction of any length.
+    fn support(&self, direction: DVec3) -> Self::Vertex;
+    /// Any point to start from.
+    fn first(&self) -> Self::Vertex;
+    fn point(&self, vertex: Self::Vertex) -> DVec3;
+    /// The number of a corner; the same for all points of a smooth set.
+    fn name(vertex: Self::Vertex) -> usize;
+}
+
+/// The convex hull of points.
+impl Core for [Vec3] {
+    type Vertex = usize;
+
+    fn support(&self, direction: DVec3) -> usize {
+        let mut best = (0, f64::NEG_INFINITY);
+        for (i, p) in self.iter().enumerate() {
+            let along = p.as_dvec3().dot(direction);
+            if along > best.1 {
+                best = (i, along);
+            }
+        }
+        best.0
+    }
+
+    fn first(&self) -> usize {
+        0
+    }
+
+    fn point(&self, vertex: usize) -> DVec3 {
+        self[vertex].as_dvec3()
+    }
+
+    fn name(vertex: usize) -> usize {
+        vertex
+    }
+}
+
+/// The nearest points of two sets, in A's frame, in double precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near {
+    pub(crate) distance: f64,
+    /// Unit vector from A to B.
+    pub(crate) normal: DVec3,
+    pub(crate) on_a: DVec3,
+    pub(crate) on_b: DVec3,
+    pub(crate) feature: u32,
+}
+
+impl Near {
+    pub(crate) fn closest(&self) -> Closest {
+        Closest {
+            distance: self.distance as f32,
+            normal: self.normal.as_vec3(),
+            on_a: self.on_a.as_vec3(),
+            on_b: self.on_b.as_vec3(),
+            feature: self.feature,
+        }
+    }
+}
+
+/// How two sets lie, see [`Proximity`].
+pub(crate) enum Walk {
+    Apart(Near),
+    Beyond(DVec3),
+    Overlap,
+}
+
 /// How two convex sets lie.
 pub(crate) enum Proximity {
     /// The nearest points.
@@ -22,16 +93,16 @@ pub(crate) enum Proximity {
 
 /// A vertex of the difference A − B with the vertices that made it.
 #[derive(Clone, Copy, Default)]
-struct Corner {
+struct Corner<A, B> {
     w: DVec3,
-    a: usize,
-    b: usize,
+    a: A,
+    b: B,
 }
 
 /// Up to three corners around the point nearest to the origin, with its barycentric coordinates.
 #[derive(Clone, Copy, Default)]
-struct Simplex {
-    corners: [Corner; 4],
+struct Simplex<A, B> {
+    corners: [Corner<A, B>; 4],
     weights: [f64; 4],
     count: usize,
 }
@@ -42,40 +113,67 @@ const GAP: f64 = 1e-12;
 /// Below this share of the sets' size the sets touch, and a direction would be made of rounding errors.
 const TOUCH: f64 = 1e-9;
 
-/// Walks end after a handful of steps; this many only if rounding drives them in circles.
+/// Walks end after a handful of steps, between smooth sets after two dozen; this many only if rounding drives them in
+/// circles.
 const MAX_STEPS: usize = 64;
 
 /// The nearest points of the convex hulls of `a` and of `b`, the latter placed in A's frame by `b_in_a`; no further
 /// than `limit` metres.
 pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, limit: f32) -> Proximity {
-    let placed = Placed::new(b_in_a);
-    let limit = f64::from(limit);
-    let corner = |ia: usize, ib: usize| Corner { w: a[ia].as_dvec3() - placed.point(b[ib]), a: ia, b: ib };
+    match walk(a, b, &Placed::new(b_in_a), f64::from(limit)) {
+        Walk::Apart(near) => Proximity::Apart(near.closest()),
+        Walk::Beyond(axis) => Proximity::Beyond(axis.as_vec3()),
+        Walk::Overlap => Proximity::Overlap,
+    }
+}
+
+/// The nearest points of two sets of any kind, see [`proximity`].
+pub(crate) fn walk<A: Core + ?Sized, B: Core + ?Sized>(a: &A, b: &B, placed: &Placed, limit: f64) -> Walk {
+    walk_until(a, b, placed, limit, GAP)
+}
+
+/// The same until the bounds of the squared distance are as near to each other as `gap`; the normal errs by the root of it.
+pub(crate) fn walk_until<A: Core + ?Sized, B: Core + ?Sized>(
+    a: &A,
+    b: &B,
+    placed: &Placed,
+    limit: f64,
+    gap: f64,
+) -> Walk {
+    let corner =
+        |ia: A::Vertex, ib: B::Vertex| Corner { w: a.point(ia) - placed.point(b.point(ib)), a: ia, b: ib };
 
     let mut simplex = Simplex { count: 1, weights: [1.0, 0.0, 0.0, 0.0], ..Simplex::default() };
-    simplex.corners[0] = corner(0, 0);
+    simplex.corners[0] = corner(a.first(), b.first());
     let mut v = simplex.corners[0].w;
     let mut scale = v.length_squared();
+    // Whether a plane was found between the sets.
+    let mut apart = false;
     for _ in 0..MAX_STEPS {
         let squared = v.length_squared();
         if squared <= TOUCH * TOUCH * scale {
-            return Proximity::Overlap;
+            return Walk::Overlap;
         }
-        let next = corner(support(a, -v), support(b, placed.back(v)));
+        let next = corner(a.support(-v), b.support(placed.back(v)));
         scale = scale.max(next.w.length_squared());
         let bound = v.dot(next.w);
         if bound > 0.0 && bound * bound > limit * limit * squared {
-            return Proximity::Beyond(-v.as_vec3());
+            return Walk::Beyond(-v);
         }
         let known = simplex.corners[..simplex.count].iter().any(|c| c.a == next.a && c.b == next.b);
-        if known || squared - bound <= GAP * squared {
+        if known || squared - bound <= gap * squared {
             break;
         }
         let mut grown = simplex;
         grown.corners[grown.count] = next;
         grown.count += 1;
+        apart |= bound > 0.0 && bound * bound > TOUCH * TOUCH * scale * squared;
         let Some(reduced) = nearest(&grown) else {
-            return Proximity::Overlap;
+            // Of four corners that are nearly in a plane rounding may say that the origin is among them.
+            if apart {
+                break;
+            }
+            return Walk::Overlap;
         };
         let better = reduced.point();
         if better.length_squared() >= squared {
@@ -88,29 +186,25 @@ pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, limit: f32) -
     let distance = v.length();
     let (mut on_a, mut on_b) = (DVec3::ZERO, DVec3::ZERO);
     for (c, &weight) in simplex.corners[..simplex.count].iter().zip(&simplex.weights) {
-        on_a += weight * a[c.a].as_dvec3();
-        on_b += weight * placed.point(b[c.b]);
+        on_a += weight * a.point(c.a);
+        on_b += weight * placed.point(b.point(c.b));
     }
     if distance > limit {
-        return Proximity::Beyond(-v.as_vec3());
+        return Walk::Beyond(-v);
     }
-    Proximity::Apart(Closest {
-        distance: distance as f32,
-        normal: (-v / distance).as_vec3(),
-        on_a: on_a.as_vec3(),
-        on_b: on_b.as_vec3(),
-        feature: simplex.feature(),
-    })
+    let feature = simplex.feature(A::name, B::name);
+    Walk::Apart(Near { distance, normal: -v / distance, on_a, on_b, feature })
 }
 
 /// B's frame seen from A's, in double precision.
-struct Placed {
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
     axes: [DVec3; 3],
     origin: DVec3,
 }
 
 impl Placed {
-    fn new(b_in_a: &Isometry) -> Self {
+    pub(crate) fn new(b_in_a: &Isometry) -> Self {
         let r = &b_in_a.rotation;
         Placed {
             axes: [r.x_axis.as_dvec3(), r.y_axis.as_dvec3(), r.z_axis.as_dvec3()],
@@ -118,30 +212,24 @@ impl Placed {
         }
     }
 
-    fn point(&self, p: Vec3) -> DVec3 {
-        let p = p.as_dvec3();
+    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.axes[0] * p.x + self.axes[1] * p.y + self.axes[2] * p.z + self.origin
     }
 
-    fn back(&self, v: DVec3) -> DVec3 {
+    /// B elsewhere.
+    pub(crate) fn moved(&self, by: DVec3) -> Self {
+        Placed { origin: self.origin + by, ..*self }
+    }
+
+    /// A direction, seen from B.
+    pub(crate) fn back(&self, v: DVec3) -> DVec3 {
         DVec3::new(self.axes[0].dot(v), self.axes[1].dot(v), self.axes[2].dot(v))
     }
 }
 
-fn support(points: &[Vec3], direction: DVec3) -> usize {
-    let mut best = (0, f64::NEG_INFINITY);
-    for (i, p) in points.iter().enumerate() {
-        let along = p.as_dvec3().dot(direction);
-        if along > best.1 {
-            best = (i, along);
-        }
-    }
-    best.0
-}
-
-impl Simplex {
+impl<A: Copy + Default, B: Copy + Default> Simplex<A, B> {
     /// The corners named in `pick`, with these weights, those of no weight left out.
-    fn of(&self, pick: &[(usize, f64)]) -> Simplex {
+    fn of(&self, pick: &[(usize, f64)]) -> Self {
         let mut s = Simplex::default();
         for &(i, weight) in pick {
             if weight > 0.0 {
@@ -158,8 +246,8 @@ impl Simplex {
     }
 
     /// Names the corner or edge of each set that holds the nearest point; all faces share a name.
-    fn feature(&self) -> u32 {
-        let name = |of: fn(&Corner) -> usize| {
+    fn feature(&self, of_a: fn(A) -> usize, of_b: fn(B) -> usize) -> u32 {
+        let name = |of: &dyn Fn(&Corner<A, B>) -> usize| {
             let mut seen = [usize::MAX; 4];
             let mut count = 0;
             for c in &self.corners[..self.count] {
@@ -174,12 +262,12 @@ impl Simplex {
                 _ => 2,
             }
         };
-        feature::pair(name(|c| c.a), name(|c| c.b))
+        feature::pair(name(&|c| of_a(c.a)), name(&|c| of_b(c.b)))
     }
 }
 
 /// The part of the simplex that holds its point nearest to the origin; nothing where the origin is inside.
-fn nearest(s: &Simplex) -> Option<Simplex> {
+fn nearest<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B>) -> Option<Simplex<A, B>> {
     Some(match s.count {
         2 => nearest_on_segment(s, 0, 1),
         3 => nearest_on_triangle(s, 0, 1, 2),
@@ -187,7 +275,11 @@ fn nearest(s: &Simplex) -> Option<Simplex> {
     })
 }
 
-fn nearest_on_segment(s: &Simplex, i: usize, j: usize) -> Simplex {
+fn nearest_on_segment<A: Copy + Default, B: Copy + Default>(
+    s: &Simplex<A, B>,
+    i: usize,
+    j: usize,
+) -> Simplex<A, B> {
     let (a, b) = (s.corners[i].w, s.corners[j].w);
     let ab = b - a;
     let t = -a.dot(ab);
@@ -202,7 +294,12 @@ fn nearest_on_segment(s: &Simplex, i: usize, j: usize) -> Simplex {
     }
 }
 
-fn nearest_on_triangle(s: &Simplex, i: usize, j: usize, k: usize) -> Simplex {
+fn nearest_on_triangle<A: Copy + Default, B: Copy + Default>(
+    s: &Simplex<A, B>,
+    i: usize,
+    j: usize,
+    k: usize,
+) -> Simplex<A, B> {
     let (a, b, c) = (s.corners[i].w, s.corners[j].w, s.corners[k].w);
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
@@ -232,13 +329,13 @@ pub(crate) fn on_triangle(corners: [DVec3; 3]) -> (DVec3, SmallVec<[usize; 3]>) 
     (nearest.point(), nearest.corners[..nearest.count].iter().map(|c| c.a).collect())
 }
 
-fn nearest_on_tetrahedron(s: &Simplex) -> Option<Simplex> {
+fn nearest_on_tetrahedron<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B>) -> Option<Simplex<A, B>> {
     let w: [DVec3; 4] = std::array::from_fn(|i| s.corners[i].w);
     let volume = (w[1] - w[0]).cross(w[2] - w[0]).dot(w[3] - w[0]);
     let span = (w[1] - w[0]).length() * (w[2] - w[0]).length() * (w[3] - w[0]).length();
     // A flat tetrahedron has no inside: each of its faces is asked.
     let flat = volume.abs() <= 1e-14 * span;
-    let mut best: Option<Simplex> = None;
+    let mut best: Option<Simplex<A, B>> = None;
     for [i, j, k, l] in [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 3, 2, 0]] {
         let normal = (w[j] - w[i]).cross(w[k] - w[i]);
         let origin_side = -w[i].dot(normal);

@@ -32,28 +32,30 @@ impl HalfSpace {
             .with_skins(0.0, radius)
     }
 
-    /// The points `cores`, each with a skin of `radius`, that come within `margin`.
+    /// The points `cores`, each with a skin of `radius`, that come within `margin`, or how far away the nearest is.
     pub(crate) fn manifold(
         &self,
         cores: &[Vec3],
         radius: f32,
         b_in_a: &Isometry,
         margin: f32,
-    ) -> Option<Manifold> {
+    ) -> Result<Manifold, f32> {
         let mut points: SmallVec<[ContactPoint; 16]> = SmallVec::new();
+        let mut least = f32::INFINITY;
         for (i, &core) in cores.iter().enumerate() {
             let p = b_in_a.point(core);
             let distance = self.normal.dot(p) - self.offset - radius;
+            least = least.min(distance);
             if distance <= margin {
                 let position = p - (radius + 0.5 * distance) * self.normal;
                 points.push(ContactPoint { position, distance, feature: feature::pair(0, i) });
             }
         }
-        (!points.is_empty()).then(|| reduce(self.normal, &points))
+        if points.is_empty() { Err(least) } else { Ok(reduce(self.normal, &points)) }
     }
 
-    /// The corners of a polyhedron that come within `margin`.
-    pub(crate) fn poly_manifold(&self, b: &Poly, b_in_a: &Isometry, margin: f32) -> Option<Manifold> {
+    /// The corners of a polyhedron that come within `margin`, or how far away the nearest is.
+    pub(crate) fn poly_manifold(&self, b: &Poly, b_in_a: &Isometry, margin: f32) -> Result<Manifold, f32> {
         self.manifold(b.vertices, 0.0, b_in_a, margin)
     }
 }
@@ -82,6 +84,6 @@ mod tests {
         let m = GROUND.manifold(&[Vec3::ZERO], 1.0, &pose, 1.0).unwrap();
         assert_eq!(m.points[0].position, Vec3::new(3.0, 4.0, 1.25));
         assert_eq!(m.points[0].distance, 0.5);
-        assert!(GROUND.manifold(&[Vec3::ZERO], 1.0, &pose, 0.4).is_none());
+        assert_eq!(GROUND.manifold(&[Vec3::ZERO], 1.0, &pose, 0.4), Err(0.5));
     }
 }

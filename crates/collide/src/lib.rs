@@ -5,7 +5,8 @@
 //!
 //! Each pair of shapes has the method that is exact for it: closed forms for round shapes, separating axes and
 //! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
-//! are corners and edges. The results depend on the arguments alone, to the last bit.
+//! are corners and edges; cylinders, cones and ellipsoids have that walk too, and an expanding polytope where they overlap.
+//! The results depend on the arguments alone, to the last bit.
 
 #![forbid(unsafe_code)]
 
@@ -15,11 +16,16 @@ mod closest;
 mod convex;
 mod core_poly;
 mod direction;
+mod ellipsoid;
 mod feature;
+mod form;
+mod frustum;
 mod gjk;
 mod half_space;
 mod manifold;
 mod overlap;
+mod patch;
+mod penetration;
 mod point;
 mod poly;
 mod polyhedra;
@@ -82,14 +88,8 @@ pub fn collide(
         return 0.0;
     }
     match (a, b) {
-        (_, Shape::Mesh(mesh)) => {
-            convex_mesh(a, mesh, b_in_a, margin, out);
-            0.0
-        }
-        (_, Shape::HeightField(field)) => {
-            convex_height_field(a, field, b_in_a, margin, out);
-            0.0
-        }
+        (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
+        (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {
             let first = out.len();
             let apart = collide(b, a, &b_in_a.inverse(), margin, cache, out);

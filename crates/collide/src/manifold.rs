@@ -43,6 +43,14 @@ impl Manifold {
         self.points().iter().fold(f32::INFINITY, |d, p| d.min(p.distance))
     }
 
+    /// The same for shapes with skins of these thicknesses around them, metres.
+    pub(crate) fn grow(&mut self, of_a: f32, of_b: f32) {
+        for p in &mut self.points[..self.count as usize] {
+            p.distance -= of_a + of_b;
+            p.position += 0.5 * (of_a - of_b) * self.normal;
+        }
+    }
+
     /// Seen from the frame of the other shape, which becomes A; `b_in_a` places the frame of this one in that.
     pub(crate) fn swap(&mut self, b_in_a: &Isometry) {
         self.normal = -b_in_a.vector(self.normal);

@@ -1,7 +1,7 @@
 //! Whether two shapes overlap, and how deeply.
 
 use crate::surface::Surface;
-use crate::time_of_impact::{Core, Course, Other};
+use crate::time_of_impact::{Core, Course, Other, Set};
 use crate::{Cache, Distance, Manifold, Motion, Sweep, Toi, collide, distance};
 use rockfall_math::{Aabb, Isometry, Vec3};
 use rockfall_shape::Shape;
@@ -85,14 +85,14 @@ fn touched(a: &Shape, b: &Shape, core: &Core, sweep: &Sweep) -> Option<u64> {
 fn first_triangle<S: Surface>(a: &Shape, surface: &S, core: &Core, sweep: &Sweep) -> Option<u64> {
     let place = sweep.a.start;
     let course = Course { sweep, inner: 0.0, target: 0.0 };
-    let points = core.points.iter().map(|&p| place.point(p));
-    let area = Aabb::from_points(points).grown(core.radius);
+    let corners = core.set.corners();
+    let area = Aabb::from_points(corners.iter().map(|&p| place.point(p))).grown(core.radius);
     let mut triangles = Vec::new();
     surface.near(&area.grown(1e-5 * core.reach), |triangle| triangles.push(triangle));
     triangles.sort_unstable();
     let touch = |&triangle: &u64| {
-        let corners = surface.corners(triangle);
-        let other = Other::Convex { points: &corners, radius: 0.0, arm: 0.0, front: None };
+        let set = Set::Points(surface.corners(triangle).into_iter().collect());
+        let other = Other::Convex { set: &set, radius: 0.0, arm: 0.0, front: None };
         course.gap(core, &other, 0.0).is_none()
     };
     triangles.into_iter().find(touch).or_else(|| {
@@ -131,9 +131,9 @@ fn behind(a: &Shape, b: &Shape, a_in_b: &Isometry) -> Option<Distance> {
         _ => return None,
     };
     let height = |p: Vec3| front.dot(a_in_b.point(p) - corners[0]);
-    let lowest = core.points.iter().copied().min_by(|p, q| height(*p).total_cmp(&height(*q)))?;
-    let distance = (height(lowest) - core.radius).min(0.0);
     let normal = -a_in_b.inverse_vector(front);
+    let (lowest, least) = core.set.lowest(normal, height)?;
+    let distance = (least - core.radius).min(0.0);
     let on_a = lowest + core.radius * normal;
     Some(Distance { distance, normal, on_a, on_b: on_a + distance * normal })
 }

@@ -14,7 +14,7 @@ pub use by_distance::cast_ray_by_distance;
 
 use crate::round;
 use rockfall_math::{DVec3, Vec3};
-use rockfall_shape::{Hull, Shape};
+use rockfall_shape::{Frustum, Hull, Shape};
 
 /// The points `origin + t direction` with 0 ≤ t ≤ `max`, in the frame of the shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct RayHit {
     pub t: f64,
     /// Unit vector out of the shape, also where the ray comes from within or from behind; zero where it starts inside of a solid.
     pub normal: Vec3,
-    /// What was met: a box's face (−x, +x, −y, +y, −z, +z), a hull's face, the lower end, the upper end or the side of a capsule (0, 1, 2), a mesh's
+    /// What was met: a box's face (−x, +x, −y, +y, −z, +z), a hull's face, the lower end, the upper end or the side of a capsule, a cylinder or a cone (0, 1, 2), a mesh's
     /// triangle; of cell (i, j) of a height field the triangle towards +x is 2 (j (columns − 1) + i), the other one comes next. 0 for other
     /// shapes; [`INSIDE`] where the ray starts inside of a solid.
     pub part: u64,
@@ -88,6 +88,7 @@ pub fn cast_ray(shape: &Shape, ray: &Ray, solid: bool) -> Option<RayHit> {
     match shape {
         Shape::Mesh(mesh) => surface::mesh(mesh, ray),
         Shape::HeightField(field) => surface::height_field(field, ray),
+        Shape::RoundedBox { .. } | Shape::RoundedHull { .. } => cast_ray_by_distance(shape, ray, solid),
         _ => {
             let stretch = stretch(shape, ray)?;
             let (t, part) = stretch.seen(ray, solid)?;
@@ -144,6 +145,15 @@ fn stretch(shape: &Shape, ray: &Ray) -> Option<Stretch> {
         Shape::Sphere { radius } => ball(DVec3::ZERO, f64::from(*radius), ray),
         Shape::Box { half } => cuboid(half.as_dvec3(), ray),
         Shape::Capsule { half_length, radius } => capsule(f64::from(*half_length), f64::from(*radius), ray),
+        Shape::Cylinder { .. } | Shape::Cone { .. } => frustum(&Frustum::of(shape)?, ray),
+        Shape::Ellipsoid { half } => {
+            let half = half.as_dvec3();
+            ball(
+                DVec3::ZERO,
+                1.0,
+                &Ray { origin: ray.origin / half, direction: ray.direction / half, ..*ray },
+            )
+        }
         Shape::Hull(hull) => polyhedron(hull, ray),
         Shape::HalfSpace { normal, offset } => {
             let normal = normal.as_dvec3();
@@ -151,7 +161,7 @@ fn stretch(shape: &Shape, ray: &Ray) -> Option<Stretch> {
             let height = normal.dot(ray.origin) - f64::from(*offset);
             whole.below(height, normal.dot(ray.direction), 0).then_some(whole)
         }
-        Shape::Mesh(_) | Shape::HeightField(_) => None,
+        Shape::RoundedBox { .. } | Shape::RoundedHull { .. } | Shape::Mesh(_) | Shape::HeightField(_) => None,
     }
 }
 
@@ -168,9 +178,24 @@ fn normal(shape: &Shape, at: DVec3, part: u64) -> Vec3 {
             let core = DVec3::Z * at.z.clamp(-half, half);
             (at - core).normalize_or(DVec3::X).as_vec3()
         }
+        Shape::Cylinder { .. } | Shape::Cone { .. } => match (part, Frustum::of(shape)) {
+            (2, Some(f)) => {
+                let (across, along) = f.side();
+                let radial = at.with_z(0.0).normalize_or(DVec3::X);
+                (across * radial + along * DVec3::Z).as_vec3()
+            }
+            (0, _) => Vec3::NEG_Z,
+            _ => Vec3::Z,
+        },
+        Shape::Ellipsoid { half } => {
+            let half = half.as_dvec3();
+            (at / (half * half)).normalize_or(DVec3::Z).as_vec3()
+        }
         Shape::Hull(hull) => hull.normals[part as usize],
         Shape::HalfSpace { normal, .. } => *normal,
-        Shape::Mesh(_) | Shape::HeightField(_) => Vec3::ZERO,
+        Shape::RoundedBox { .. } | Shape::RoundedHull { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {
+            Vec3::ZERO
+        }
     }
 }
 
@@ -245,4 +270,60 @@ fn pipe(half_length: f64, radius: f64, ray: &Ray) -> Option<Stretch> {
     let (z, slope) = (ray.origin.z, ray.direction.z);
     let met = stretch.below(z - half_length, slope, 0) && stretch.below(-z - half_length, -slope, 0);
     met.then_some(stretch)
+}
+
+/// Between two planes, the part of a line that is within the radius r(z) = m + s z: where |p|² − r² ≤ 0, a quadratic in t that is taken about
+/// the point nearest to the middle, so that far away costs no digits.
+fn frustum(f: &Frustum, ray: &Ray) -> Option<Stretch> {
+    let (half, lower, upper) = (f64::from(f.half_length), f64::from(f.lower), f64::from(f.upper));
+    let (mean, slope) = (0.5 * (lower + upper), 0.5 * (upper - lower) / half);
+    let shift = -ray.origin.dot(ray.direction) / ray.direction.length_squared();
+    let (o, d) = (ray.at(shift), ray.direction);
+    let mut stretch = Stretch::WHOLE;
+    if !stretch.below(-o.z - half, -d.z, 0) || !stretch.below(o.z - half, d.z, 1) {
+        return None;
+    }
+    // a t² + 2 b t + c
+    let (radius, widens) = (mean + slope * o.z, slope * d.z);
+    let a = d.x * d.x + d.y * d.y - widens * widens;
+    let b = o.x * d.x + o.y * d.y - radius * widens;
+    let c = o.x * o.x + o.y * o.y - radius * radius;
+    let root = b * b - a * c;
+    // Between the roots where the line crosses the side steeply; where it runs up the cone, beyond one of them: between the planes
+    // only one of the two parts is of this cone and not of its mirror image.
+    let sides = if a.abs() <= 1e-14 * d.length_squared() {
+        if b == 0.0 {
+            if c > 0.0 {
+                return None;
+            }
+            [(f64::NEG_INFINITY, f64::INFINITY); 2]
+        } else {
+            let t = -0.5 * c / b;
+            [if b > 0.0 { (f64::NEG_INFINITY, t) } else { (t, f64::INFINITY) }; 2]
+        }
+    } else if root < 0.0 {
+        if a > 0.0 {
+            return None;
+        }
+        [(f64::NEG_INFINITY, f64::INFINITY); 2]
+    } else {
+        // Without the difference of two numbers that are nearly equal.
+        let q = -(b + if b < 0.0 { -root.sqrt() } else { root.sqrt() });
+        let (t, u) = (q / a, if q == 0.0 { q / a } else { c / q });
+        let (first, last) = if t < u { (t, u) } else { (u, t) };
+        if a > 0.0 { [(first, last); 2] } else { [(f64::NEG_INFINITY, first), (last, f64::INFINITY)] }
+    };
+    let within = |(enter, exit): (f64, f64)| {
+        let mut part = Stretch { ..stretch };
+        if enter > part.enter {
+            (part.enter, part.parts[0]) = (enter, 2);
+        }
+        if exit < part.exit {
+            (part.exit, part.parts[1]) = (exit, 2);
+        }
+        (part.enter <= part.exit).then_some(part)
+    };
+    let met = sides.map(within).into_iter().flatten();
+    let longest = met.max_by(|p, q| (p.exit - p.enter).total_cmp(&(q.exit - q.enter)))?;
+    Some(Stretch { enter: longest.enter + shift, exit: longest.exit + shift, ..longest })
 }

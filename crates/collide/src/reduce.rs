@@ -36,20 +36,31 @@ const KEPT_AREA: f32 = 0.5;
 /// So many corners are tried four by four; of more, an outline is taken.
 const FEW: usize = 9;
 
+/// The direction in which the outline starts, in A's frame.
+pub(crate) fn start(normal: Vec3) -> Vec3 {
+    if normal.dot(START[0]).abs() < 0.8 { START[0] } else { START[1] }
+}
+
 /// Makes a manifold from any number of points, at least one.
 pub(crate) fn reduce(normal: Vec3, points: &[ContactPoint]) -> Manifold {
+    reduce_within(normal, points, start(normal), 0.0)
+}
+
+/// The same with an outline that starts in another direction, where depths that differ by less than `tie` metres are equal
+/// as well.
+pub(crate) fn reduce_within(normal: Vec3, points: &[ContactPoint], start: Vec3, tie: f32) -> Manifold {
     let mut manifold = Manifold { normal, ..Manifold::default() };
     if points.len() <= 4 {
         manifold.points[..points.len()].copy_from_slice(points);
         manifold.count = points.len() as u32;
         return manifold;
     }
-    let mut chosen = outline(normal, points);
+    let mut chosen = outline(normal, points, start);
     let at = |i: usize| points[i].position;
     let deepest = first_max(points, |p| -p.distance);
     let shown = chosen.iter().fold(f32::INFINITY, |d, &i| d.min(points[i].distance));
     // Depths that differ by less than the rounding of the span are equal.
-    let tie = 2e-7 * (at(chosen[1]) - at(chosen[0])).length();
+    let tie = tie.max(2e-7 * (at(chosen[1]) - at(chosen[0])).length());
     if points[deepest].distance < shown - tie {
         let mut nearest = 0;
         for k in 1..4 {
@@ -126,8 +137,7 @@ fn area(normal: Vec3, [a, b, c, d]: [Vec3; 4]) -> f32 {
 }
 
 /// Four points, perhaps repeated, that span much of the area of all, seen along `normal`.
-fn outline(normal: Vec3, points: &[ContactPoint]) -> [usize; 4] {
-    let start = if normal.dot(START[0]).abs() < 0.8 { START[0] } else { START[1] };
+fn outline(normal: Vec3, points: &[ContactPoint], start: Vec3) -> [usize; 4] {
     let first = first_max(points, |p| p.position.dot(start));
     let from = points[first].position;
     let second = first_max(points, |p| p.position.distance_squared(from));

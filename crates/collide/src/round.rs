@@ -66,18 +66,23 @@ pub(crate) fn capsules(a: Capsule, b: Capsule, b_in_a: &Isometry) -> Closest {
     nearest_cores(a, b, b_in_a).with_skins(a.radius, b.radius)
 }
 
-/// The manifold of two capsules: two points where they lie side by side, else one.
-pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margin: f32) -> Option<Manifold> {
+/// The manifold of two capsules: two points where they lie side by side, else one; or their distance.
+pub(crate) fn capsules_manifold(
+    a: Capsule,
+    b: Capsule,
+    b_in_a: &Isometry,
+    margin: f32,
+) -> Result<Manifold, f32> {
     let cores = nearest_cores(a, b, b_in_a);
     let nearest = cores.with_skins(a.radius, b.radius);
     if nearest.distance > margin {
-        return None;
+        return Err(nearest.distance);
     }
     let mut manifold = nearest.manifold();
     let across = b_in_a.rotation.z_axis;
     // Clearly not parallel, or the normal leans along the cores, which then meet end to end.
     if across.z.abs() < 0.99 || nearest.normal.z.abs() > 0.05 {
-        return Some(manifold);
+        return Ok(manifold);
     }
     // The stretch of A's axis that both cores cover; B's point at height z of A is on B's line.
     let [p, q] = b.placed_core(b_in_a);
@@ -85,7 +90,7 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
     let radius = a.radius.min(b.radius);
     let aside = (high - low) * across.cross(nearest.normal).cross(nearest.normal).cross(Vec3::Z).length();
     if high - low <= 0.1 * radius || aside > ASIDE * radius {
-        return Some(manifold);
+        return Ok(manifold);
     }
     manifold.count = 0;
     for (z, own_end) in [(low, low == -a.half_length), (high, high == a.half_length)] {
@@ -108,7 +113,7 @@ pub(crate) fn capsules_manifold(a: Capsule, b: Capsule, b_in_a: &Isometry, margi
         manifold.points[manifold.count as usize] = nearest.point();
         manifold.count += 1;
     }
-    Some(manifold)
+    Ok(manifold)
 }
 
 fn nearest_cores(a: Capsule, b: Capsule, b_in_a: &Isometry) -> Closest {

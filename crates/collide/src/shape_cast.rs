@@ -4,7 +4,7 @@
 //! would pass *through*, and leaves what only touches to contacts; a cast tells of the first touch, from either side of a triangle.
 
 use crate::surface::Surface;
-use crate::time_of_impact::{Core, Course, MAX_PIECES, Other};
+use crate::time_of_impact::{Core, Course, MAX_PIECES, Other, Set};
 use crate::{Motion, Sweep, Toi, overlap};
 use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::Shape;
@@ -52,8 +52,8 @@ pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) ->
         }
         _ => {
             let other = Core::new(b, &sweep.b, 0.0)?;
-            let (points, radius, arm) = (&other.points, other.radius, other.arm);
-            course.advance(&core, &Other::Convex { points, radius, arm, front: None }, 0.0, 1.0)
+            let (set, radius, arm) = (&other.set, other.radius, other.arm);
+            course.advance(&core, &Other::Convex { set, radius, arm, front: None }, 0.0, 1.0)
         }
     }
 }
@@ -70,8 +70,8 @@ fn surface<S: Surface>(course: &Course, core: &Core, surface: &S) -> Option<Toi>
         triangles.sort_unstable();
         let mut best: Option<Toi> = None;
         for &triangle in &triangles {
-            let corners = surface.corners(triangle);
-            let other = Other::Convex { points: &corners, radius: 0.0, arm: 0.0, front: None };
+            let set = Set::Points(surface.corners(triangle).into_iter().collect());
+            let other = Other::Convex { set: &set, radius: 0.0, arm: 0.0, front: None };
             let limit = best.map_or(until, |toi| toi.time);
             if let Some(toi) = course.advance(core, &other, from, limit)
                 && best.is_none_or(|first| toi.time < first.time)

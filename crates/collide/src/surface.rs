@@ -10,7 +10,7 @@
 //! regions, or as active edges.)
 //!
 //! 1. `gather` takes the triangles near A, in A's frame.
-//! 2. `round` (spheres, capsules) or `solid` (boxes, hulls) finds each triangle's contacts.
+//! 2. `round` (spheres, capsules), `solid` (boxes, hulls) or `smooth` (all others) finds each triangle's contacts.
 //! 3. `merge` drops what another triangle explains better and makes manifolds of the rest.
 //!
 //! Triangles are solid on the side opposite to their normals. A body that sank in is pushed out along the normal as
@@ -21,18 +21,27 @@ mod height_field;
 mod merge;
 mod mesh;
 mod round;
+mod smooth;
 mod solid;
 
 use crate::Manifold;
+use crate::convex;
 use crate::poly::{BoxPoly, Poly};
 use facet::Facet;
 use rockfall_math::{Aabb, Isometry, Mat3, Vec3};
 use rockfall_shape::{EdgeKind, HeightField, Mesh, Shape};
 
 /// Contact of the convex shape `a` with a mesh, in A's frame, appended to `out`. Points further apart than `margin` are
-/// left out. Normals point into the mesh. Nothing is appended where `a` is not convex or is a half-space.
-pub fn convex_mesh(a: &Shape, mesh: &Mesh, mesh_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
-    collide(a, mesh, mesh_in_a, margin, out);
+/// left out. Normals point into the mesh. Nothing is appended where `a` is not convex or is a half-space. Returns a distance
+/// by which both are surely apart, or 0, see [`collide`](crate::collide).
+pub fn convex_mesh(
+    a: &Shape,
+    mesh: &Mesh,
+    mesh_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
+    collide(a, mesh, mesh_in_a, margin, out)
 }
 
 /// Contact of the convex shape `a` with a height field; see [`convex_mesh`]. The field is solid all the way down.
@@ -42,8 +51,8 @@ pub fn convex_height_field(
     field_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
-    collide(a, field, field_in_a, margin, out);
+) -> f32 {
+    collide(a, field, field_in_a, margin, out)
 }
 
 /// Triangles with neighbours, in their own frame. A triangle is named by an index.
@@ -85,14 +94,28 @@ impl<S: Surface> Placed<'_, S> {
         self.rotation.transpose() * p + self.origin
     }
 
-    /// The triangles around A, which fills a ball of radius `ball` around the middle of `bounds`, in their order. What lies beyond their edges is looked up for those that are `close`.
-    fn gather(&self, bounds: &Aabb, ball: f32, margin: f32, close: impl Fn(&Facet) -> bool) -> Vec<Facet> {
+    /// The part of the surface's frame that is no further than `margin` from a box around A; its middle; and how exact that is.
+    fn around(&self, bounds: &Aabb, margin: f32) -> (Aabb, Vec3, Vec3) {
         let back = self.rotation.transpose();
         let reach = Mat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs());
         let half = reach * bounds.half_extents() * (1.0 + 1e-5) + margin;
         let centre = self.back(bounds.center());
         let slack = centre.abs() * f32::EPSILON * 2.0;
         let area = Aabb::new(centre - half - slack, centre + half + slack);
+        (area, centre, slack)
+    }
+
+    /// How far A is from a surface of which no triangle is within `margin` of the box around it: by as much as A is large, if
+    /// there is none in a box so much larger either, else by the margin.
+    fn apart(&self, bounds: &Aabb, ball: f32, margin: f32) -> f32 {
+        let mut near = false;
+        self.surface.near(&self.around(bounds, margin + ball).0, |_| near = true);
+        if near { margin } else { margin + ball }
+    }
+
+    /// The triangles around A, which fills a ball of radius `ball` around the middle of `bounds`, in their order. What lies beyond their edges is looked up for those that are `close`.
+    fn gather(&self, bounds: &Aabb, ball: f32, margin: f32, close: impl Fn(&Facet) -> bool) -> Vec<Facet> {
+        let (area, centre, slack) = self.around(bounds, margin);
         let mut triangles = Vec::new();
         self.surface.near(&area, |triangle| triangles.push(triangle));
         triangles.sort_unstable();
@@ -129,6 +152,10 @@ struct Probe<'a> {
     radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
+    /// Depths that differ by less are equal, metres.
+    tie: f32,
+    /// Turns a direction in A's frame where outlines start; A's own frame where it has no need of another.
+    frame: Mat3,
 }
 
 /// A point of contact between A and one triangle.
@@ -154,16 +181,21 @@ fn collide<S: Surface>(
     surface_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     match a {
         Shape::Sphere { radius } => ball(&[Vec3::ZERO], *radius, surface, surface_in_a, margin, out),
         Shape::Capsule { half_length, radius } => {
             let end = Vec3::Z * *half_length;
-            ball(&[-end, end], *radius, surface, surface_in_a, margin, out);
+            ball(&[-end, end], *radius, surface, surface_in_a, margin, out)
         }
         Shape::Box { half } => poly(&BoxPoly::new(*half).poly(), surface, surface_in_a, margin, out),
         Shape::Hull(hull) => poly(&Poly::from(&**hull), surface, surface_in_a, margin, out),
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {}
+        Shape::Cylinder { .. }
+        | Shape::Cone { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::RoundedBox { .. }
+        | Shape::RoundedHull { .. } => any(a, surface, surface_in_a, margin, out),
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
     }
 }
 
@@ -183,7 +215,7 @@ fn ball<S: Surface>(
     surface_in_a: &Isometry,
     margin: f32,
     out: &mut Vec<Manifold>,
-) {
+) -> f32 {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(core.iter().copied()).grown(radius);
     let reach = radius + margin;
@@ -193,8 +225,12 @@ fn ball<S: Surface>(
         high <= reach && (0..3).all(|edge| wide(edge) <= reach + facet.allowance_below(high))
     });
     let size = core[0].length() + radius;
+    if facets.is_empty() {
+        return placed.apart(&bounds, size, margin);
+    }
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
-    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit };
+    let frame = Mat3::IDENTITY;
+    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit, tie: 0.0, frame };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
@@ -202,19 +238,30 @@ fn ball<S: Surface>(
     sunk(&placed, &facets, core, radius, &probe, &mut touches);
     let kept = merge::keep(&facets, &probe, &touches);
     merge::manifolds(&facets, &probe, kept, out);
+    0.0
 }
 
 /// Boxes and hulls.
-fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) {
+fn poly<S: Surface>(
+    a: &Poly,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let placed = place(surface, surface_in_a);
     let bounds = Aabb::from_points(a.vertices.iter().copied());
     let middle = bounds.center();
     let ball = a.vertices.iter().fold(0.0_f32, |far, v| far.max(v.distance(middle)));
     let facets =
         placed.gather(&bounds, ball, margin, |facet| a.vertices.iter().any(|&v| facet.height(v) <= margin));
+    if facets.is_empty() {
+        return placed.apart(&bounds, ball, margin);
+    }
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
-    let probe = Probe { points: a.vertices, margin, size, center: a.center, radius: 0.0, limit };
+    let (center, frame) = (a.center, Mat3::IDENTITY);
+    let probe = Probe { points: a.vertices, margin, size, center, radius: 0.0, limit, tie: 0.0, frame };
     let mut touches = Vec::new();
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
@@ -225,6 +272,51 @@ fn poly<S: Surface>(a: &Poly, surface: &S, surface_in_a: &Isometry, margin: f32,
         kept.extend(solid::nearest(reached, a, &probe));
     }
     merge::manifolds(&facets, &probe, kept, out);
+    0.0
+}
+
+/// Cylinders, cones, ellipsoids, rounded boxes and hulls.
+fn any<S: Surface>(
+    a: &Shape,
+    surface: &S,
+    surface_in_a: &Isometry,
+    margin: f32,
+    out: &mut Vec<Manifold>,
+) -> f32 {
+    let Some(solid) = convex::solid(a) else { return 0.0 };
+    let placed = place(surface, surface_in_a);
+    let bounds = a.bounds();
+    let reach = solid.skin + margin;
+    let ball = a.radius_about(bounds.center());
+    let facets = placed
+        .gather(&bounds, ball, margin, |facet| facet.height(smooth::lowest(&solid, facet.normal)) <= reach);
+    if facets.is_empty() {
+        return placed.apart(&bounds, ball, margin);
+    }
+    let points = solid.points();
+    let size = bounds.min.abs().max(bounds.max.abs()).length();
+    let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius() };
+    let probe = Probe {
+        points: &points,
+        margin,
+        size,
+        center: a.inner_center(),
+        radius: solid.skin,
+        limit,
+        tie: smooth::tie(&solid),
+        frame: surface_in_a.rotation,
+    };
+    let mut touches = Vec::new();
+    for i in 0..facets.len() {
+        smooth::touch(&placed, &facets, i, &solid, &probe, &mut touches);
+    }
+    sunk(&placed, &facets, &points, solid.skin, &probe, &mut touches);
+    let mut kept = merge::keep(&facets, &probe, &touches);
+    if kept.is_empty() {
+        kept.extend(smooth::nearest(&facets, &solid, &probe));
+    }
+    merge::manifolds(&facets, &probe, kept, out);
+    0.0
 }
 
 /// Points of A deep in a bottomless surface, perhaps so deep that A touches no triangle any more: the triangle straight

@@ -13,11 +13,12 @@
 //! has a smaller core, so that each may sink in by a quarter more and none is held where it lies, but for one whose middle
 //! is at the triangle. (Box2D and Box3D stop at the centroid, Jolt where the motion is more than a share of the inner radius.)
 
-use crate::gjk::{Proximity, proximity};
+use crate::ellipsoid;
+use crate::gjk::{self, Placed, Walk, walk};
 use crate::poly::BoxPoly;
 use crate::surface::Surface;
-use rockfall_math::{Aabb, Isometry, Mat3, Vec3, rotation};
-use rockfall_shape::Shape;
+use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
+use rockfall_shape::{Frustum, Hull, Shape};
 use smallvec::SmallVec;
 use std::cell::OnceCell;
 
@@ -118,8 +119,8 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
         Shape::HeightField(field) => course.surface(&Cores::new(a, whole), &**field),
         _ => {
             let core_b = Core::new(b, &sweep.b, 0.0)?;
-            let (points, radius, arm) = (&core_b.points, core_b.radius, core_b.arm);
-            course.advance(&whole, &Other::Convex { points, radius, arm, front: None }, 0.0, 1.0)
+            let (set, radius, arm) = (&core_b.set, core_b.radius, core_b.arm);
+            course.advance(&whole, &Other::Convex { set, radius, arm, front: None }, 0.0, 1.0)
         }
     }
 }
@@ -141,13 +142,84 @@ const NEAR: f32 = 0.5;
 /// Pieces into which the path is cut to look for triangles.
 pub(crate) const MAX_PIECES: usize = 64;
 
-/// A convex shape as points with a skin.
+/// A convex set without its skin.
+pub(crate) enum Set {
+    /// The convex hull of points.
+    Points(SmallVec<[Vec3; 8]>),
+    /// Around a centre on the z axis.
+    Frustum(Frustum, f32),
+    /// Half axes, around the origin.
+    Ellipsoid(Vec3),
+}
+
+impl Set {
+    /// The points whose distances from anywhere are at least those of the set's points: its corners, or those of a box around it.
+    pub(crate) fn corners(&self) -> SmallVec<[Vec3; 8]> {
+        let around = |half: Vec3, middle: Vec3| {
+            BoxPoly::new(half).poly().vertices.iter().map(|&v| middle + v).collect()
+        };
+        match self {
+            Set::Points(points) => points.clone(),
+            Set::Frustum(f, middle) => {
+                let wide = f.widest();
+                around(Vec3::new(wide, wide, f.half_length), Vec3::Z * *middle)
+            }
+            Set::Ellipsoid(half) => around(*half, Vec3::ZERO),
+        }
+    }
+
+    /// The least height of a point.
+    pub(crate) fn lowest(&self, towards: Vec3, height: impl Fn(Vec3) -> f32) -> Option<(Vec3, f32)> {
+        let with = |p: Vec3| (p, height(p));
+        match self {
+            Set::Points(points) => points.iter().map(|&p| with(p)).min_by(|(_, p), (_, q)| p.total_cmp(q)),
+            _ => Some(with(gjk::Core::support(self, towards.as_dvec3()).as_vec3())),
+        }
+    }
+
+    fn middle(&self) -> Vec3 {
+        match self {
+            Set::Points(points) => points.iter().sum::<Vec3>() / points.len() as f32,
+            Set::Frustum(_, middle) => Vec3::Z * *middle,
+            Set::Ellipsoid(_) => Vec3::ZERO,
+        }
+    }
+}
+
+impl gjk::Core for Set {
+    type Vertex = DVec3;
+
+    fn support(&self, direction: DVec3) -> DVec3 {
+        match self {
+            Set::Points(points) => points[points[..].support(direction)].as_dvec3(),
+            Set::Frustum(f, middle) => f.support(direction) + DVec3::Z * f64::from(*middle),
+            Set::Ellipsoid(half) => ellipsoid::support(*half, direction),
+        }
+    }
+
+    fn first(&self) -> DVec3 {
+        match self {
+            Set::Points(points) => points[0].as_dvec3(),
+            _ => self.support(DVec3::Z),
+        }
+    }
+
+    fn point(&self, vertex: DVec3) -> DVec3 {
+        vertex
+    }
+
+    fn name(_: DVec3) -> usize {
+        0
+    }
+}
+
+/// A convex shape as a set with a skin.
 pub(crate) struct Core {
-    pub(crate) points: SmallVec<[Vec3; 8]>,
+    pub(crate) set: Set,
     pub(crate) radius: f32,
     /// Largest distance of the surface from the centre of rotation, metres.
     pub(crate) reach: f32,
-    /// Largest distance of a point from the axis of rotation, metres. A skin looks the same however it turns.
+    /// Largest distance of a point from the axis of rotation, metres, or more. A skin looks the same however it turns.
     pub(crate) arm: f32,
 }
 
@@ -156,31 +228,42 @@ impl Core {
     /// thicker.
     pub(crate) fn new(shape: &Shape, motion: &Motion, less: f32) -> Option<Self> {
         let left = 1.0 - less;
-        let (points, radius): (SmallVec<[Vec3; 8]>, f32) = match shape {
-            Shape::Sphere { radius } => ([Vec3::ZERO].into_iter().collect(), left * radius),
+        let cuboid = |half: &Vec3, less: f32| {
+            let half = *half - less * half.min_element();
+            Set::Points(BoxPoly::new(half).poly().vertices.iter().copied().collect())
+        };
+        let corners = |hull: &Hull, left: f32| {
+            let shrunk = |v: &Vec3| hull.center + left * (*v - hull.center);
+            Set::Points(if left < 1.0 {
+                hull.vertices.iter().map(shrunk).collect()
+            } else {
+                hull.vertices.iter().copied().collect()
+            })
+        };
+        let (set, radius) = match shape {
+            Shape::Sphere { radius } => (Set::Points([Vec3::ZERO].into_iter().collect()), left * radius),
             Shape::Capsule { half_length, radius } => {
                 let end = Vec3::Z * *half_length;
-                ([-end, end].into_iter().collect(), left * radius)
+                (Set::Points([-end, end].into_iter().collect()), left * radius)
             }
-            Shape::Box { half } => {
-                let half = *half - less * half.min_element();
-                (BoxPoly::new(half).poly().vertices.iter().copied().collect(), 0.0)
+            Shape::Box { half } => (cuboid(half, less), 0.0),
+            Shape::RoundedBox { half, radius } => (cuboid(half, less), left * radius),
+            Shape::Hull(hull) => (corners(hull, left), 0.0),
+            Shape::RoundedHull { hull, radius } => (corners(hull, left), left * radius),
+            // A smaller copy around the centre of the inner ball has the layer around it on all sides.
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                let f = Frustum::of(shape)?;
+                let [half_length, lower, upper] = [f.half_length, f.lower, f.upper].map(|size| left * size);
+                (Set::Frustum(Frustum { half_length, lower, upper }, less * f.inner_ball().0), 0.0)
             }
-            Shape::Hull(hull) => {
-                let shrunk = |v: &Vec3| hull.center + left * (*v - hull.center);
-                let points = if less > 0.0 {
-                    hull.vertices.iter().map(shrunk).collect()
-                } else {
-                    hull.vertices.iter().copied().collect()
-                };
-                (points, 0.0)
-            }
+            Shape::Ellipsoid { half } => (Set::Ellipsoid(left * *half), 0.0),
             Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
         };
-        let reach = radius + furthest(&points, motion.center);
+        let corners = set.corners();
+        let reach = radius + furthest(&corners, motion.center);
         let axis = motion.start.inverse_vector(motion.rotation).normalize_or_zero();
-        let arm = points.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
-        Some(Core { points, radius, reach, arm })
+        let arm = corners.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
+        Some(Core { set, radius, reach, arm })
     }
 }
 
@@ -214,9 +297,9 @@ pub(crate) enum Other<'a> {
         normal: Vec3,
         offset: f32,
     },
-    /// Points with a skin; only from the front where there is a front.
+    /// A set with a skin; only from the front where there is a front.
     Convex {
-        points: &'a [Vec3],
+        set: &'a Set,
         radius: f32,
         /// Largest distance of a point from B's axis of rotation, metres, or more.
         arm: f32,
@@ -300,21 +383,17 @@ impl Course<'_> {
             Other::HalfSpace { normal, offset } => {
                 let normal = b.vector(*normal);
                 let height = |p: Vec3| normal.dot(p - b.translation) - offset;
-                let lowest = core
-                    .points
-                    .iter()
-                    .map(|&p| a.point(p))
-                    .min_by(|p, q| height(*p).total_cmp(&height(*q)))?;
-                let distance = height(lowest) - core.radius;
-                let point = lowest - core.radius * normal;
+                let (lowest, least) = core.set.lowest(-a.inverse_vector(normal), |p| height(a.point(p)))?;
+                let distance = least - core.radius;
+                let point = a.point(lowest) - core.radius * normal;
                 (distance > 0.0).then_some(Gap { distance, normal: -normal, point })
             }
-            Other::Convex { points, radius, .. } => {
-                let b_in_a = a.inverse().then_after(&b);
-                let Proximity::Apart(closest) = proximity(&core.points, points, &b_in_a, f32::INFINITY)
-                else {
+            Other::Convex { set, radius, .. } => {
+                let placed = Placed::new(&a.inverse().then_after(&b));
+                let Walk::Apart(near) = walk(&core.set, *set, &placed, f64::INFINITY) else {
                     return None;
                 };
+                let closest = near.closest();
                 let distance = closest.distance - core.radius - radius;
                 let normal = a.vector(closest.normal);
                 let point = a.point(closest.on_a) + core.radius * normal;
@@ -329,9 +408,8 @@ impl Course<'_> {
         let normal = match other {
             Other::HalfSpace { normal, .. } => -b.start.vector(*normal),
             Other::Convex { front: Some(front), .. } => -b.start.vector(*front),
-            Other::Convex { points, .. } => {
-                let middle = points.iter().sum::<Vec3>() / points.len() as f32;
-                (b.start.point(middle) - a.center_at(0.0)).normalize_or(Vec3::Z)
+            Other::Convex { set, .. } => {
+                (b.start.point(set.middle()) - a.center_at(0.0)).normalize_or(Vec3::Z)
             }
         };
         let closing = (a.translation - b.translation).dot(normal);
@@ -377,7 +455,8 @@ impl Course<'_> {
     fn through(&self, cores: &Cores, corners: &[Vec3; 3], front: Vec3, from: f32, until: f32) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
         let arm = furthest(corners, b.center);
-        let other = Other::Convex { points: corners, radius: 0.0, arm, front: Some(front) };
+        let set = Set::Points(corners.iter().copied().collect());
+        let other = Other::Convex { set: &set, radius: 0.0, arm, front: Some(front) };
         let start = self.gap(&cores.whole, &other, 0.0);
         if start.is_none_or(|gap| gap.distance <= NEAR * self.inner) {
             // Layers of A that were in the triangle from the start.
@@ -403,8 +482,11 @@ impl Course<'_> {
     ) -> bool {
         let Sweep { a, b } = self.sweep;
         let [(low, high), (low_after, _)] = places.map(|place| {
-            let heights = whole.points.iter().map(|&p| front.dot(place.point(p) - corners[0]));
-            heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)))
+            let towards = place.inverse_vector(front);
+            let height = |p: Vec3| front.dot(place.point(p) - corners[0]);
+            let low = whole.set.lowest(-towards, height).map_or(f32::INFINITY, |(_, h)| h);
+            let high = whole.set.lowest(towards, |p| -height(p)).map_or(f32::NEG_INFINITY, |(_, h)| -h);
+            (low, high)
         });
         // Between two times a turning point dips below its chord by no more than the sagitta of its arc, seen in the plane
         // of the arc and of the normal.

@@ -100,7 +100,37 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// The points that carry the shape, and the radius around them.
+/// Those, and shapes that are collided by their support points alone.
+fn all_shapes() -> Vec<Shape> {
+    let Shape::Hull(hull) = boulder(2, 0.4) else { unreachable!("a boulder is a hull") };
+    let mut all = shapes();
+    all.extend([
+        Shape::Cylinder { half_length: 0.3, radius: 0.4 },
+        Shape::Cone { half_length: 0.4, lower: 0.4, upper: 0.0 },
+        Shape::Cone { half_length: 0.3, lower: 0.2, upper: 0.5 },
+        Shape::Ellipsoid { half: Vec3::new(0.5, 0.4, 0.3) },
+        Shape::RoundedBox { half: Vec3::new(0.4, 0.3, 0.2), radius: 0.1 },
+        Shape::RoundedHull { hull, radius: 0.15 },
+    ]);
+    all
+}
+
+/// How far the lowest point of a shape is along `out`.
+fn lowest_along(shape: &Shape, pose: &Isometry, out: Vec3) -> f32 {
+    let point = shape.support(-pose.inverse_vector(out)).expect("a bounded convex shape");
+    pose.point(point).dot(out)
+}
+
+/// What the points of a disc may hide of the deepest place of its rim.
+fn level(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Cylinder { radius, .. } => 1e-4 * radius,
+        Shape::Cone { lower, upper, .. } => 1e-4 * lower.max(*upper),
+        _ => 0.0,
+    }
+}
+
+/// The points that carry the shape, and the radius around them; of a round shape many of its surface.
 fn core(shape: &Shape) -> (Vec<Vec3>, f32) {
     match shape {
         Shape::Sphere { radius } => (vec![Vec3::ZERO], *radius),
@@ -115,7 +145,13 @@ fn core(shape: &Shape) -> (Vec<Vec3>, f32) {
             (corners.collect(), 0.0)
         }
         Shape::Hull(hull) => (hull.vertices.clone(), 0.0),
-        _ => unreachable!("not convex"),
+        _ => {
+            let towards = (0..32).map(|k| {
+                let (sin, cos) = trig::sin_cos(2.4 * k as f32);
+                Vec3::new(cos, sin, k as f32 / 16.0 - 1.0)
+            });
+            (towards.filter_map(|d| shape.support(d)).collect(), 0.0)
+        }
     }
 }
 
@@ -129,7 +165,7 @@ fn touch(shape: &Shape, mesh: &Mesh, pose: &Isometry, margin: f32) -> Vec<Manifo
 /// points, and with every point of the shape that is among the lowest inside what the manifold spans.
 fn check_like_half_space(what: &str, shape: &Shape, pose: &Isometry, manifolds: &[Manifold], margin: f32) {
     let (points, radius) = core(shape);
-    let lowest = points.iter().map(|&p| pose.point(p).z - radius).fold(f32::INFINITY, f32::min);
+    let lowest = lowest_along(shape, pose, Vec3::Z);
     if lowest > margin {
         assert!(manifolds.is_empty(), "{what}: contact out of reach");
         return;
@@ -138,7 +174,8 @@ fn check_like_half_space(what: &str, shape: &Shape, pose: &Isometry, manifolds: 
     let manifold = &manifolds[0];
     let up = pose.vector(-manifold.normal);
     assert!((up - Vec3::Z).length() < 1e-5, "{what}: normal {up}");
-    assert!((manifold.deepest() - lowest).abs() < 1e-5, "{what}: {} is not {lowest}", manifold.deepest());
+    let off = (manifold.deepest() - lowest).abs();
+    assert!(off < 1e-5 + level(shape), "{what}: {} is not {lowest}", manifold.deepest());
     let placed: Vec<Vec3> = manifold.points().iter().map(|p| pose.point(p.position)).collect();
     for (p, q) in manifold.points().iter().zip(&placed) {
         assert!((q.z - 0.5 * p.distance).abs() < 1e-5, "{what}: a point at {q} for depth {}", p.distance);
@@ -161,8 +198,8 @@ fn check_like_half_space(what: &str, shape: &Shape, pose: &Isometry, manifolds: 
 fn a_floor_of_triangles_is_a_plane() {
     let mut random = Random(2);
     for mesh in &floors() {
-        for shape in &shapes() {
-            let (points, radius) = core(shape);
+        for shape in &all_shapes() {
+            let (points, _) = core(shape);
             for round in 0..60 {
                 let turn = match round % 3 {
                     0 => about_z(random.between(0.0, 6.0)),
@@ -185,7 +222,7 @@ fn a_floor_of_triangles_is_a_plane() {
                 }
                 over.z = 0.0;
                 let mut pose = at(over, turn);
-                let lowest = points.iter().map(|&p| pose.point(p).z - radius).fold(f32::INFINITY, f32::min);
+                let lowest = lowest_along(shape, &pose, Vec3::Z);
                 pose.translation.z = random.between(-0.06, 0.02) - lowest;
                 let what = format!("round {round}, {} triangles, {shape:?}, {pose:?}", mesh.triangles.len());
                 check_like_half_space(&what, shape, &pose, &touch(shape, mesh, &pose, 0.01), 0.01);
@@ -222,13 +259,14 @@ fn a_box_on_triangles_has_the_four_corners_that_it_has_on_a_plane() {
 #[test]
 fn a_sliding_body_feels_no_seams() {
     for mesh in &floors()[..3] {
-        for shape in &shapes() {
-            let (points, radius) = core(shape);
+        for (k, shape) in all_shapes().iter().enumerate() {
+            // Hundreds of small triangles under one body take milliseconds.
+            let stride = if k >= shapes().len() && mesh.triangles.len() > 5000 { 8 } else { 1 };
             for tilt in [0.0, 1e-4, 3e-3, 0.03, 0.2] {
                 let lean = rotation::from_rotation_vector(Vec3::new(tilt, 0.7 * tilt, 0.4));
                 let mut pose = at(Vec3::ZERO, lean);
-                let lowest = points.iter().map(|&p| pose.point(p).z - radius).fold(f32::INFINITY, f32::min);
-                for k in 0..200 {
+                let lowest = lowest_along(shape, &pose, Vec3::Z);
+                for k in (0..200).step_by(stride) {
                     let t = k as f32 * 0.0074;
                     pose.translation = Vec3::new(t - 0.7, 0.31 * t, -lowest - 0.003);
                     let what = format!("step {k}, tilt {tilt}, {}", shape.name());
@@ -407,8 +445,7 @@ fn a_closed_cube_pushes_out_of_the_side_that_was_hit() {
     let mut random = Random(9);
     for n in [1, 5] {
         let mesh = cube(1.0, n);
-        for shape in &shapes() {
-            let (points, radius) = core(shape);
+        for shape in &all_shapes() {
             for round in 0..300 {
                 let turn = if round % 4 == 0 { Quat::IDENTITY } else { random.turn() };
                 let axis = round % 3;
@@ -416,14 +453,14 @@ fn a_closed_cube_pushes_out_of_the_side_that_was_hit() {
                 out[axis] = if round % 2 == 0 { 1.0 } else { -1.0 };
                 let mut pose = at(random.point(0.4), turn);
                 pose.translation[axis] = 0.0;
-                let lowest =
-                    points.iter().map(|&p| pose.point(p).dot(out) - radius).fold(f32::INFINITY, f32::min);
+                let lowest = lowest_along(shape, &pose, out);
                 let depth = random.between(0.0, 0.05);
                 pose.translation += out * (1.0 - lowest - depth);
                 let manifolds = touch(shape, &mesh, &pose, 0.01);
                 assert_eq!(manifolds.len(), 1, "{n} {shape:?} {pose:?} {manifolds:#?}");
                 assert!((pose.vector(-manifolds[0].normal) - out).length() < 1e-5);
-                assert!((manifolds[0].deepest() + depth).abs() < 1e-5);
+                let off = (manifolds[0].deepest() + depth).abs();
+                assert!(off < 1e-5 + level(shape), "{n} {shape:?} {pose:?} {depth} {manifolds:#?}");
             }
         }
     }
@@ -457,17 +494,19 @@ fn the_back_of_a_thin_wall_does_not_pull() {
         let flat: Vec<Vec3> = cube.vertices.iter().map(|v| *v * Vec3::new(3.0, 3.0, 0.01)).collect();
         Mesh::from_triangles(&flat, &cube.triangles).expect("a plate")
     };
-    for shape in &shapes() {
-        let (points, radius) = core(shape);
+    for shape in &all_shapes() {
         for depth in [0.001, 0.01, 0.019, 0.03, 0.1, 0.18] {
             let mut pose = at(Vec3::new(0.1, 0.2, 0.0), about_z(0.3));
-            let lowest = points.iter().map(|&p| pose.point(p).z - radius).fold(f32::INFINITY, f32::min);
+            let lowest = lowest_along(shape, &pose, Vec3::Z);
             pose.translation.z = 0.01 - lowest - depth;
             let manifolds = touch(shape, &mesh, &pose, 0.01);
             assert!(!manifolds.is_empty());
             for m in &manifolds {
                 assert!(pose.vector(-m.normal).z > 0.9, "{shape:?} at {depth}: {manifolds:#?}");
-                assert!((m.deepest() + depth).abs() < 1e-5);
+                assert!(
+                    (m.deepest() + depth).abs() < 1e-5 + level(shape),
+                    "{shape:?} at {depth}: {manifolds:#?}"
+                );
             }
         }
     }
@@ -499,7 +538,7 @@ fn a_height_field_collides_like_its_mesh() {
     let field = hills(24, 0.3, 0.8, 4);
     let mesh = as_mesh(&field);
     let mut contacts = 0;
-    for shape in &shapes() {
+    for shape in &all_shapes() {
         for _ in 0..300 {
             let over = random.point(2.0);
             let ground = field.height_at(over.x, over.y).expect("over the field");
@@ -514,8 +553,10 @@ fn a_height_field_collides_like_its_mesh() {
                 list
             };
             contacts += by_mesh.len();
-            // Deep points are treated otherwise where all below is solid.
-            if by_mesh.iter().all(|m| m.deepest() > -0.02) {
+            // Deep points are treated otherwise where all below is solid: also those of a sharp rim that went through a ridge.
+            let shallow = |list: &[Manifold]| list.iter().all(|m| m.deepest() > -0.02);
+            let sharp = matches!(shape, Shape::Cylinder { .. } | Shape::Cone { .. });
+            if shallow(&by_mesh) && (!sharp || shallow(&by_field)) {
                 assert_eq!(summary(&by_mesh), summary(&by_field), "{shape:?} {pose:?}");
             }
         }
@@ -527,7 +568,7 @@ fn a_height_field_collides_like_its_mesh() {
 fn whatever_is_below_a_height_field_is_pushed_up() {
     let mut random = Random(31);
     let field = hills(24, 0.3, 0.8, 4);
-    for shape in &shapes() {
+    for shape in &all_shapes() {
         for _ in 0..200 {
             let over = random.point(2.0);
             let pose = at(Vec3::new(over.x, over.y, random.between(-50.0, -0.3)), random.turn());
@@ -599,6 +640,25 @@ mod oracle {
     /// A contact whenever the surfaces are nearer than the margin, none when they are not. Its distance is exact for
     /// round shapes; a polyhedron that is near a corner gets the distance of planes, which differs by a few
     /// millimetres in the worst terrain, and never by more than the margin.
+    /// What the caller relies on when it does not ask again for a while.
+    #[test]
+    fn what_is_apart_says_so_and_never_by_too_much() {
+        let mut random = Random(47);
+        let mut known = 0;
+        for (_, mesh, judge) in &terrains() {
+            for shape in &shapes() {
+                let body = parry(shape);
+                for _ in 0..100 {
+                    let (pose, truth) = lowered(&*body, judge, random.between(0.0, 2.0), &mut random);
+                    let apart = convex_mesh(shape, mesh, &pose.inverse(), 0.03, &mut Vec::new());
+                    assert!(apart <= truth + 1e-4, "{apart} of {truth}: {shape:?} {pose:?}");
+                    known += u32::from(apart > 0.1);
+                }
+            }
+        }
+        assert!(known > 200, "{known}");
+    }
+
     #[test]
     fn distances_on_rough_terrain_are_those_of_parry() {
         let mut random = Random(41);

@@ -30,6 +30,12 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)
 }
 
+/// Angle of the point (x, y) in radians, in (-π, π], in double precision.
+#[inline]
+pub fn atan2_double(y: f64, x: f64) -> f64 {
+    libm::atan2(y, x)
+}
+
 /// e to the power of `x`.
 #[inline]
 pub fn exp(x: f32) -> f32 {

@@ -6,12 +6,15 @@ mod height_field;
 mod hull;
 mod mesh;
 mod round;
+mod rounded;
 
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{Kinds, Spec};
 use rockfall::Shape;
 use rockfall_math::Vec3;
+use rockfall_shape::Hull;
+use std::sync::Arc;
 
 /// One kind of shape. To add one, copy the file of a neighbour and add it to [`KINDS`] and [`SHAPES`].
 #[derive(Debug)]
@@ -34,11 +37,16 @@ pub(crate) struct Cook {
     pub(crate) seed: u64,
 }
 
-static KINDS: [&ShapeKind; 9] = [
+static KINDS: [&ShapeKind; 14] = [
     &round::SPHERE,
     &round::BOX,
     &round::CAPSULE,
+    &round::CYLINDER,
+    &round::CONE,
+    &round::ELLIPSOID,
+    &rounded::ROUNDED_BOX,
     &hull::HULL,
+    &rounded::ROUNDED_HULL,
     &round::HALF_SPACE,
     &mesh::MESH,
     &height_field::HEIGHT_FIELD,
@@ -53,7 +61,12 @@ pub(crate) static SHAPES: Kinds = Kinds {
         &round::SPHERE_KEYS,
         &round::BOX_KEYS,
         &round::CAPSULE_KEYS,
+        &round::CYLINDER_KEYS,
+        &round::CONE_KEYS,
+        &round::ELLIPSOID_KEYS,
+        &rounded::ROUNDED_BOX_KEYS,
         &hull::HULL_KEYS,
+        &rounded::ROUNDED_HULL_KEYS,
         &round::HALF_SPACE_KEYS,
         &mesh::MESH_KEYS,
         &height_field::HEIGHT_FIELD_KEYS,
@@ -110,10 +123,10 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
         Shape::Sphere { radius } => (Vec3::ZERO, *radius),
         Shape::Box { half } => (Vec3::ZERO, half.length()),
         Shape::Capsule { half_length, radius } => (Vec3::ZERO, half_length + radius),
-        Shape::Hull(hull) => {
-            let far = hull.vertices.iter().map(|v| (*v - hull.center).length()).fold(0.0, f32::max);
-            (hull.center, far)
+        Shape::Cylinder { .. } | Shape::Cone { .. } | Shape::Ellipsoid { .. } | Shape::RoundedBox { .. } => {
+            (Vec3::ZERO, shape.radius_about(Vec3::ZERO))
         }
+        Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => (hull.center, shape.radius_about(hull.center)),
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
     })
 }
@@ -129,12 +142,25 @@ pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
         Shape::Capsule { half_length, radius } => {
             Shape::Capsule { half_length: half_length * by, radius: radius * by }
         }
-        Shape::Hull(hull) if by != 1.0 => {
-            let corners: Vec<Vec3> = hull.vertices.iter().map(|v| *v * by).collect();
-            hull::cook(&corners, corners.len()).map_err(|e| e.to_string())?
+        Shape::Cylinder { half_length, radius } => {
+            Shape::Cylinder { half_length: half_length * by, radius: radius * by }
+        }
+        Shape::Cone { half_length, lower, upper } => {
+            Shape::Cone { half_length: half_length * by, lower: lower * by, upper: upper * by }
+        }
+        Shape::Ellipsoid { half } => Shape::Ellipsoid { half: *half * by },
+        Shape::RoundedBox { half, radius } => Shape::RoundedBox { half: *half * by, radius: radius * by },
+        Shape::Hull(hull) if by != 1.0 => Shape::Hull(scaled_hull(hull, by)?),
+        Shape::RoundedHull { hull, radius } if by != 1.0 => {
+            Shape::RoundedHull { hull: scaled_hull(hull, by)?, radius: radius * by }
         }
         other => other.clone(),
     })
+}
+
+fn scaled_hull(hull: &Hull, by: f32) -> Result<Arc<Hull>, String> {
+    let corners: Vec<Vec3> = hull.vertices.iter().map(|v| *v * by).collect();
+    hull::cook(&corners, corners.len()).map_err(|e| e.to_string())
 }
 
 #[cfg(test)]

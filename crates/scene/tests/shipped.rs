@@ -10,7 +10,7 @@ fn scenes() -> PathBuf {
 }
 
 /// Name, and bodies including those that are poured.
-const SHIPPED: [(&str, u64); 10] = [
+const SHIPPED: [(&str, u64); 11] = [
     ("hello", 10),
     ("rockslide", 20_001),
     ("pyramid", 5_051),
@@ -21,6 +21,7 @@ const SHIPPED: [(&str, u64); 10] = [
     ("bunny-drop", 205),
     ("impulse", 16),
     ("reflect", 80),
+    ("shapes", 241),
 ];
 
 fn load(name: &str) -> Scene {

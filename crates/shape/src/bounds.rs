@@ -1,6 +1,6 @@
 //! Boxes around shapes, at rest in their own frame and placed in the world.
 
-use crate::{Hull, Shape};
+use crate::{Frustum, Hull, Shape};
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
 
 /// Half-spaces have no end; their boxes reach to this coordinate, metres: finite, so that sums and areas of
@@ -16,30 +16,50 @@ impl Shape {
             Shape::Capsule { half_length, radius } => {
                 symmetric(Vec3::new(*radius, *radius, *half_length + *radius))
             }
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                let (r, h) = Frustum::of(self).map_or((0.0, 0.0), |f| (f.widest(), f.half_length));
+                symmetric(Vec3::new(r, r, h))
+            }
+            Shape::Ellipsoid { half } => symmetric(*half),
+            Shape::RoundedBox { half, radius } => symmetric(*half + *radius),
             Shape::Hull(hull) => hull.bounds,
+            Shape::RoundedHull { hull, radius } => hull.bounds.grown(*radius),
             Shape::HalfSpace { normal, offset } => half_space(*normal, f64::from(*offset)),
             Shape::Mesh(mesh) => mesh.bounds,
             Shape::HeightField(field) => field.bounds,
         }
     }
 
-    /// A box around the shape placed in the world, rounded outwards. The smallest one for spheres, boxes,
-    /// capsules and hulls (up to a millionth of their size); for turned meshes and height fields the one
-    /// around their turned box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
+    /// A box around the shape placed in the world, rounded outwards. The smallest one for convex shapes (up
+    /// to a millionth of their size); for turned meshes and height fields the one around their turned box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
     /// where its normal is along an axis.
     pub fn placed_bounds(&self, pose: &Pose) -> Aabb {
         match self {
             Shape::Sphere { radius } => around(pose.position, Vec3::splat(*radius)),
-            Shape::Box { half } => {
-                let r = matrix(pose);
-                let reach = r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z;
-                around(pose.position, reach + Vec3::splat(rounding(*half)))
-            }
+            Shape::Box { half } => placed_box(*half, pose),
+            Shape::RoundedBox { half, radius } => outwards(placed_box(*half, pose), *radius),
             Shape::Capsule { half_length, radius } => {
                 let axis = rotation::rotate(pose.rotation, Vec3::Z * *half_length);
                 around(pose.position, axis.abs() + Vec3::splat(*radius + rounding(axis.abs())))
             }
+            Shape::Cylinder { half_length, radius } => {
+                let frustum = Frustum { half_length: *half_length, lower: *radius, upper: *radius };
+                placed_frustum(&frustum, pose)
+            }
+            Shape::Cone { half_length, lower, upper } => {
+                let frustum = Frustum { half_length: *half_length, lower: *lower, upper: *upper };
+                placed_frustum(&frustum, pose)
+            }
+            Shape::Ellipsoid { half } => {
+                // Along each axis as far as the half axes reach, summed in squares.
+                let r = matrix(pose);
+                let [x, y, z] = [r.x_axis * half.x, r.y_axis * half.y, r.z_axis * half.z];
+                let squares = x * x + y * y + z * z;
+                let reach = Vec3::new(squares.x.sqrt(), squares.y.sqrt(), squares.z.sqrt());
+                around(pose.position, reach + Vec3::splat(rounding(*half)))
+            }
             Shape::Hull(hull) => placed_hull(hull, pose),
+            Shape::RoundedHull { hull, radius } => outwards(placed_hull(hull, pose), *radius),
             Shape::HalfSpace { normal, offset } => {
                 let turned = rotation::rotate(pose.rotation, *normal);
                 half_space(turned, f64::from(*offset) + turned.as_dvec3().dot(pose.position))
@@ -76,6 +96,31 @@ fn placed_hull(hull: &Hull, pose: &Pose) -> Aabb {
     let min = pose.position + turned.min.as_dvec3() - margin;
     let max = pose.position + turned.max.as_dvec3() + margin;
     Aabb::around(min, max)
+}
+
+fn placed_box(half: Vec3, pose: &Pose) -> Aabb {
+    let r = matrix(pose);
+    let reach = r.x_axis.abs() * half.x + r.y_axis.abs() * half.y + r.z_axis.abs() * half.z;
+    around(pose.position, reach + Vec3::splat(rounding(half)))
+}
+
+/// The box around both ends, which are discs.
+fn placed_frustum(frustum: &Frustum, pose: &Pose) -> Aabb {
+    let r = matrix(pose);
+    let axis = r.z_axis * frustum.half_length;
+    let wide = r.x_axis * r.x_axis + r.y_axis * r.y_axis;
+    let wide = Vec3::new(wide.x.sqrt(), wide.y.sqrt(), wide.z.sqrt());
+    let margin = rounding(Vec3::splat(frustum.widest() + frustum.half_length));
+    let (low, high) = (wide * frustum.lower + margin, wide * frustum.upper + margin);
+    let min = (-axis - low).min(axis - high).as_dvec3();
+    let max = (-axis + low).max(axis + high).as_dvec3();
+    Aabb::around(pose.position + min, pose.position + max)
+}
+
+/// A box that was rounded outwards, grown by `radius`, again rounded outwards.
+fn outwards(inner: Aabb, radius: f32) -> Aabb {
+    let radius = DVec3::splat(f64::from(radius));
+    Aabb::around(inner.min.as_dvec3() - radius, inner.max.as_dvec3() + radius)
 }
 
 fn half_space(normal: Vec3, offset: f64) -> Aabb {
@@ -143,6 +188,43 @@ mod tests {
             &[1.5 * Vec3::Z, -1.5 * Vec3::Z],
             0.2,
         );
+    }
+
+    /// As [`assert_tight`], for round shapes: their exact reach along a direction in their own frame.
+    fn assert_tight_along(shape: &Shape, reach: impl Fn(DVec3) -> f64) {
+        for pose in poses() {
+            let q = pose.rotation.as_dquat();
+            let found = shape.placed_bounds(&pose);
+            let allowed =
+                2e-6 * f64::from(shape.radius_about(Vec3::ZERO)) + 2e-7 * pose.position.abs().max_element();
+            for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                let own = q.conjugate() * axis;
+                let at = pose.position.dot(axis);
+                let high = found.max.as_dvec3().dot(axis) - (at + reach(own));
+                let low = at - reach(-own) - found.min.as_dvec3().dot(axis);
+                assert!((0.0..allowed).contains(&high), "{} {high} {allowed}", shape.name());
+                assert!((0.0..allowed).contains(&low), "{} {low} {allowed}", shape.name());
+            }
+        }
+    }
+
+    #[test]
+    fn placed_bounds_of_round_shapes_are_tight_and_never_too_small() {
+        let disc = |d: DVec3, z: f64, r: f64| z * d.z + r * (d.x * d.x + d.y * d.y).sqrt();
+        for (h, low, high) in [(0.5, 1.0, 1.0), (2.0, 0.3, 0.0), (0.1, 0.2, 1.5)] {
+            let shape = Shape::Cone { half_length: h, lower: low, upper: high };
+            let (h, low, high) = (f64::from(h), f64::from(low), f64::from(high));
+            assert_tight_along(&shape, |d| disc(d, -h, low).max(disc(d, h, high)));
+        }
+        assert_tight_along(&Shape::Cylinder { half_length: 0.25, radius: 2.0 }, |d| {
+            disc(d, 0.25, 2.0).max(disc(d, -0.25, 2.0))
+        });
+        let half = Vec3::new(0.5, 2.0, 0.25);
+        assert_tight_along(&Shape::Ellipsoid { half }, |d| (half.as_dvec3() * d).length());
+        let grown = |d: DVec3| half.as_dvec3().dot(d.abs()) + 0.125;
+        assert_tight_along(&Shape::RoundedBox { half, radius: 0.125 }, grown);
+        let hull = Arc::new(Hull::cuboid(half));
+        assert_tight_along(&Shape::RoundedHull { hull, radius: 0.125 }, grown);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! How far shapes reach: support points, outer and inner radius.
 
-use crate::{Hull, Shape};
+use crate::{Frustum, Hull, Shape};
 use rockfall_math::Vec3;
 
 impl Shape {
@@ -14,12 +14,27 @@ impl Shape {
                 let center = if direction.z < 0.0 { -*half_length } else { *half_length };
                 Some(Vec3::Z * center + direction.normalize_or_zero() * *radius)
             }
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                Frustum::of(self).map(|f| f.support(direction.as_dvec3()).as_vec3())
+            }
+            Shape::Ellipsoid { half } => {
+                let stretched = *half * direction;
+                Some(*half * stretched.normalize_or_zero())
+            }
+            Shape::RoundedBox { half, radius } => {
+                let corner = Vec3::select(direction.cmplt(Vec3::ZERO), -*half, *half);
+                Some(corner + direction.normalize_or_zero() * *radius)
+            }
             Shape::Hull(hull) => Some(hull.vertices[hull.support(direction)]),
+            Shape::RoundedHull { hull, radius } => {
+                Some(hull.vertices[hull.support(direction)] + direction.normalize_or_zero() * *radius)
+            }
             Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => None,
         }
     }
 
-    /// Distance from `center` to the farthest point of the shape, metres; infinite for half-spaces.
+    /// Distance from `center` to the farthest point of the shape, metres; infinite for half-spaces. For an ellipsoid
+    /// about another point than its centre, that much or a little more.
     pub fn radius_about(&self, center: Vec3) -> f32 {
         let farthest = |points: &mut dyn Iterator<Item = Vec3>| {
             points.map(|p| (p - center).length_squared()).fold(0.0, f32::max).sqrt()
@@ -30,7 +45,13 @@ impl Shape {
             Shape::Capsule { half_length, radius } => {
                 (center.abs() + Vec3::Z * *half_length).length() + radius
             }
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                Frustum::of(self).map_or(0.0, |f| f.radius_about(center))
+            }
+            Shape::Ellipsoid { half } => center.length() + half.max_element(),
+            Shape::RoundedBox { half, radius } => (center.abs() + *half).length() + radius,
             Shape::Hull(hull) => farthest(&mut hull.vertices.iter().copied()),
+            Shape::RoundedHull { hull, radius } => farthest(&mut hull.vertices.iter().copied()) + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Mesh(mesh) => farthest(&mut mesh.vertices.iter().copied()),
             Shape::HeightField(field) => farthest(&mut field.samples()),
@@ -42,10 +63,28 @@ impl Shape {
     pub fn inner_radius(&self) -> f32 {
         match self {
             Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
-            Shape::Box { half } => half.min_element(),
+            Shape::Box { half } | Shape::Ellipsoid { half } => half.min_element(),
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                Frustum::of(self).map_or(0.0, |f| f.inner_ball().1)
+            }
+            Shape::RoundedBox { half, radius } => half.min_element() + radius,
             Shape::Hull(hull) => hull.inner_radius,
+            Shape::RoundedHull { hull, radius } => hull.inner_radius + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
+        }
+    }
+}
+
+impl Shape {
+    /// The centre of the ball of [`Shape::inner_radius`], in the shape's frame; the origin for what has none.
+    pub fn inner_center(&self) -> Vec3 {
+        match self {
+            Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => hull.center,
+            Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                Frustum::of(self).map_or(Vec3::ZERO, |f| Vec3::Z * f.inner_ball().0)
+            }
+            _ => Vec3::ZERO,
         }
     }
 }
@@ -75,6 +114,12 @@ mod tests {
             Shape::Box { half: Vec3::new(0.5, 2.0, 0.25) },
             Shape::Capsule { half_length: 1.5, radius: 0.2 },
             Shape::Hull(Arc::new(Hull::cuboid(Vec3::new(1.0, 0.1, 0.3)))),
+            Shape::Cylinder { half_length: 0.5, radius: 1.0 },
+            Shape::Cone { half_length: 1.0, lower: 0.75, upper: 0.0 },
+            Shape::Cone { half_length: 0.5, lower: 0.25, upper: 2.0 },
+            Shape::Ellipsoid { half: Vec3::new(0.5, 2.0, 0.25) },
+            Shape::RoundedBox { half: Vec3::new(0.5, 2.0, 0.25), radius: 0.125 },
+            Shape::RoundedHull { hull: Arc::new(Hull::cuboid(Vec3::new(1.0, 0.5, 0.25))), radius: 0.25 },
         ]
     }
 
@@ -102,7 +147,8 @@ mod tests {
                 let direction = Vec3::new(s, c, (i as f32) / 500.0 - 1.0).normalize();
                 let p = shape.support(direction).unwrap();
                 farthest = farthest.max((p - center).length());
-                assert!(p.dot(direction) >= shape.inner_radius() * 0.999_999);
+                let inner = (p - shape.inner_center()).dot(direction);
+                assert!(inner >= shape.inner_radius() * 0.999_999, "{}", shape.name());
             }
             assert!(farthest <= outer * 1.000_001 && farthest > 0.9 * outer, "{}", shape.name());
         }

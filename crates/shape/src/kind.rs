@@ -1,6 +1,7 @@
 //! What kind of shape it is, and whether its numbers make sense.
 
 use crate::{HeightFieldError, HullDefect, LARGEST, MeshError, SMALLEST, Shape};
+use rockfall_math::Vec3;
 
 /// Why a shape is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,7 +37,12 @@ impl Shape {
             Shape::Sphere { .. } => "sphere",
             Shape::Box { .. } => "box",
             Shape::Capsule { .. } => "capsule",
+            Shape::Cylinder { .. } => "cylinder",
+            Shape::Cone { .. } => "cone",
+            Shape::Ellipsoid { .. } => "ellipsoid",
+            Shape::RoundedBox { .. } => "rounded box",
             Shape::Hull(_) => "hull",
+            Shape::RoundedHull { .. } => "rounded hull",
             Shape::HalfSpace { .. } => "half-space",
             Shape::Mesh(_) => "mesh",
             Shape::HeightField(_) => "height field",
@@ -65,26 +71,40 @@ impl Shape {
             true => Ok(()),
             false => Err(ShapeError::Size { shape, what, value, expected: "a length from 1e-6 m to 1e6 m" }),
         };
+        let sizes = |what: [&'static str; 3], values: &Vec3| {
+            what.into_iter().zip(values.to_array()).try_for_each(|(what, value)| size(what, value))
+        };
+        let size_or_none = |what, value: f32| match (0.0..=LARGEST).contains(&value) {
+            true => Ok(()),
+            false => Err(ShapeError::Size { shape, what, value, expected: "a length from 0 to 1e6 m" }),
+        };
         match self {
             Shape::Sphere { radius } => size("radius", *radius),
-            Shape::Box { half } => {
-                size("half extent x", half.x)?;
-                size("half extent y", half.y)?;
-                size("half extent z", half.z)
-            }
+            Shape::Box { half } => sizes(["half extent x", "half extent y", "half extent z"], half),
             Shape::Capsule { half_length, radius } => {
                 size("radius", *radius)?;
-                match (0.0..=LARGEST).contains(half_length) {
-                    true => Ok(()),
-                    false => Err(ShapeError::Size {
-                        shape,
-                        what: "half length",
-                        value: *half_length,
-                        expected: "a length from 0 to 1e6 m",
-                    }),
-                }
+                size_or_none("half length", *half_length)
+            }
+            Shape::Cylinder { half_length, radius } => {
+                size("radius", *radius)?;
+                size("half length", *half_length)
+            }
+            Shape::Cone { half_length, lower, upper } => {
+                size("half length", *half_length)?;
+                size_or_none("lower radius", *lower)?;
+                size_or_none("upper radius", *upper)?;
+                size("larger radius", if *lower < *upper { *upper } else { *lower })
+            }
+            Shape::Ellipsoid { half } => sizes(["half axis x", "half axis y", "half axis z"], half),
+            Shape::RoundedBox { half, radius } => {
+                size("radius", *radius)?;
+                sizes(["half extent x", "half extent y", "half extent z"], half)
             }
             Shape::Hull(hull) => Ok(hull.check()?),
+            Shape::RoundedHull { hull, radius } => {
+                size("radius", *radius)?;
+                Ok(hull.check()?)
+            }
             Shape::HalfSpace { normal, offset } => {
                 let length = normal.length();
                 if !(1.0 - 1e-5..=1.0 + 1e-5).contains(&length) {
@@ -116,7 +136,6 @@ impl Shape {
 mod tests {
     use super::*;
     use crate::Hull;
-    use rockfall_math::Vec3;
     use std::sync::Arc;
 
     fn message(shape: Shape) -> String {
@@ -141,6 +160,26 @@ mod tests {
             "the half length of the capsule is -0.5, expected a length from 0 to 1e6 m"
         );
         assert_eq!(
+            message(Shape::Cylinder { half_length: 0.0, radius: 1.0 }),
+            format!("the half length of the cylinder is 0, {expected}")
+        );
+        assert_eq!(
+            message(Shape::Cone { half_length: 1.0, lower: 1.0, upper: -1.0 }),
+            "the upper radius of the cone is -1, expected a length from 0 to 1e6 m"
+        );
+        assert_eq!(
+            message(Shape::Cone { half_length: 1.0, lower: 0.0, upper: 0.0 }),
+            format!("the larger radius of the cone is 0, {expected}")
+        );
+        assert_eq!(
+            message(Shape::Ellipsoid { half: Vec3::new(1.0, 1.0, f32::NAN) }),
+            format!("the half axis z of the ellipsoid is NaN, {expected}")
+        );
+        assert_eq!(
+            message(Shape::RoundedBox { half: Vec3::ONE, radius: 0.0 }),
+            format!("the radius of the rounded box is 0, {expected}")
+        );
+        assert_eq!(
             message(Shape::HalfSpace { normal: Vec3::splat(1.0), offset: 0.0 }),
             "the length of the normal of the half-space is 1.7320508, expected 1: a unit vector"
         );
@@ -154,7 +193,10 @@ mod tests {
         );
         let mut hull = Hull::cuboid(Vec3::ONE);
         hull.vertices[3].z = f32::NAN;
-        assert_eq!(message(Shape::Hull(Arc::new(hull))), "the hull is broken: a number is not finite");
+        let hull = Arc::new(hull);
+        assert_eq!(message(Shape::Hull(hull.clone())), "the hull is broken: a number is not finite");
+        let rounded = Shape::RoundedHull { hull, radius: 0.1 };
+        assert_eq!(message(rounded), "the hull is broken: a number is not finite");
     }
 
     #[test]
@@ -164,6 +206,11 @@ mod tests {
         assert_eq!(Shape::Capsule { half_length: 0.0, radius: 1.0 }.validate(), Ok(()));
         assert_eq!(Shape::HalfSpace { normal: Vec3::Z, offset: -3.0 }.validate(), Ok(()));
         assert_eq!(Shape::Hull(Arc::new(Hull::cuboid(Vec3::ONE))).validate(), Ok(()));
+        assert_eq!(Shape::Cylinder { half_length: 0.1, radius: 1.0 }.validate(), Ok(()));
+        assert_eq!(Shape::Cone { half_length: 0.1, lower: 0.0, upper: 1.0 }.validate(), Ok(()));
+        assert_eq!(Shape::Ellipsoid { half: Vec3::ONE }.validate(), Ok(()));
+        let hull = Arc::new(Hull::cuboid(Vec3::ONE));
+        assert_eq!(Shape::RoundedHull { hull, radius: 0.1 }.validate(), Ok(()));
     }
 
     #[test]

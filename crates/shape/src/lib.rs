@@ -6,6 +6,7 @@
 
 mod bounds;
 mod extent;
+mod frustum;
 mod height_field;
 mod hull;
 mod kind;
@@ -15,6 +16,7 @@ mod polyhedron;
 mod principal;
 
 pub use bounds::UNBOUNDED;
+pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
 pub use kind::ShapeError;
@@ -50,8 +52,44 @@ pub enum Shape {
         /// Metres, positive.
         radius: f32,
     },
+    /// A cylinder around the z axis, flat at both ends.
+    Cylinder {
+        /// Half of the height, metres, positive.
+        half_length: f32,
+        /// Metres, positive.
+        radius: f32,
+    },
+    /// A cone around the z axis with its tip up, or a truncated one either way up. The origin is half-way up, which is not
+    /// the centre of mass.
+    Cone {
+        /// Half of the height, metres, positive.
+        half_length: f32,
+        /// Radius of the lower end, metres, not negative.
+        lower: f32,
+        /// Radius of the upper end, metres, not negative: 0 is a tip. One of the two is positive.
+        upper: f32,
+    },
+    /// An ellipsoid around the origin.
+    Ellipsoid {
+        /// Half axes along x, y and z, metres, positive.
+        half: Vec3,
+    },
+    /// A box around the origin that has grown to all sides, so that its edges and corners are round.
+    RoundedBox {
+        /// Half of the edge lengths of the box before it has grown, metres, positive.
+        half: Vec3,
+        /// By how much it has grown, metres, positive.
+        radius: f32,
+    },
     /// A convex polyhedron.
     Hull(Arc<Hull>),
+    /// A convex polyhedron that has grown to all sides, so that its edges and corners are round.
+    RoundedHull {
+        /// The polyhedron before it has grown.
+        hull: Arc<Hull>,
+        /// By how much it has grown, metres, positive.
+        radius: f32,
+    },
     /// All points p with `normal · p ≤ offset`. Immovable bodies only.
     HalfSpace {
         /// Unit length, points out of the solid.

@@ -1,6 +1,8 @@
 //! Mass, centre of mass and inertia of solids of one density.
 
-use crate::{Shape, polyhedron};
+mod rounded;
+
+use crate::{Frustum, Shape, polyhedron};
 use rockfall_math::{DVec3, Mat3, Vec3};
 use std::f64::consts::PI;
 
@@ -32,8 +34,8 @@ impl MassProperties {
 
 impl Shape {
     /// Mass properties of a solid of `density` kg/m³ in this shape, exact up to rounding: closed forms for
-    /// the round shapes and the box, integrals over the polyhedron for hulls and closed meshes. `None` for
-    /// shapes without an inside: see [`Shape::has_inside`].
+    /// the round shapes and the box, integrals over the polyhedron for hulls and closed meshes, and over what
+    /// is around it for rounded hulls. `None` for shapes without an inside: see [`Shape::has_inside`].
     ///
     /// # Examples
     /// ```
@@ -50,7 +52,13 @@ impl Shape {
             Shape::Capsule { half_length, radius } => {
                 Some(capsule(density, f64::from(*half_length), f64::from(*radius)))
             }
+            Shape::Cylinder { .. } | Shape::Cone { .. } => Frustum::of(self).map(|f| frustum(density, &f)),
+            Shape::Ellipsoid { half } => Some(ellipsoid(density, half.as_dvec3())),
+            Shape::RoundedBox { half, radius } => {
+                Some(rounded::cuboid(density, half.as_dvec3(), f64::from(*radius)))
+            }
             Shape::Hull(hull) => solid(density, hull.triangles()),
+            Shape::RoundedHull { hull, radius } => rounded::hull(density, hull, f64::from(*radius)),
             Shape::Mesh(mesh) if mesh.closed => solid(density, mesh.corners()),
             Shape::Mesh(_) | Shape::HeightField(_) | Shape::HalfSpace { .. } => None,
         }
@@ -78,6 +86,32 @@ fn capsule(density: f64, h: f64, r: f64) -> MassProperties {
     let across = cylinder * (0.25 * r * r + h * h / 3.0) + caps * (83.0 / 320.0 * r * r + off * off);
     let along = (0.5 * cylinder + 0.4 * caps) * r * r;
     MassProperties::new(cylinder + caps, DVec3::ZERO, DVec3::new(across, across, along), DVec3::ZERO)
+}
+
+/// A cylinder or a truncated cone: discs of all radii from R at the lower end to r at the upper one. With the height H, the
+/// integrals over the volume of 1, of the height over the lower end and of its square, and of the squared distance from
+/// the axis are π H/3 (R² + Rr + r²), π H²/12 (R² + 2Rr + 3r²), π H³/30 (R² + 3Rr + 6r²), and
+/// π H/10 (R⁴ + R³r + R²r² + Rr³ + r⁴).
+fn frustum(density: f64, shape: &Frustum) -> MassProperties {
+    let (big, small) = (f64::from(shape.lower), f64::from(shape.upper));
+    let height = 2.0 * f64::from(shape.half_length);
+    let (bb, bs, ss) = (big * big, big * small, small * small);
+    let volume = PI * height / 3.0 * (bb + bs + ss);
+    let first = PI * height * height / 12.0 * (bb + 2.0 * bs + 3.0 * ss);
+    let second = PI * height * height * height / 30.0 * (bb + 3.0 * bs + 6.0 * ss);
+    let around = PI * height / 10.0 * (bb * bb + bs * (bb + bs + ss) + ss * ss);
+    let over_end = first / volume;
+    let across = density * (0.5 * around + second - first * over_end);
+    let center = DVec3::new(0.0, 0.0, over_end - 0.5 * height);
+    let diagonal = DVec3::new(across, across, density * around);
+    MassProperties::new(density * volume, center, diagonal, DVec3::ZERO)
+}
+
+fn ellipsoid(density: f64, half: DVec3) -> MassProperties {
+    let mass = density * 4.0 / 3.0 * PI * half.x * half.y * half.z;
+    let s = half * half;
+    let diagonal = 0.2 * mass * DVec3::new(s.y + s.z, s.z + s.x, s.x + s.y);
+    MassProperties::new(mass, DVec3::ZERO, diagonal, DVec3::ZERO)
 }
 
 /// The inside of a closed surface; `None` if it is empty or the surface is inside out.

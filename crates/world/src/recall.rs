@@ -66,8 +66,16 @@ pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash
         return Leash { length: LOOSE_BALLS * a.inner_radius().min(b.inner_radius()), lever: 0.0 };
     }
     let of = |shape: &Shape| match shape {
-        Shape::Sphere { .. } | Shape::Capsule { .. } => 0.0,
-        Shape::Box { .. } | Shape::Hull(_) => LOOSE * shape.inner_radius(),
+        Shape::Sphere { .. }
+        | Shape::Capsule { .. }
+        | Shape::Cylinder { .. }
+        | Shape::Cone { .. }
+        | Shape::Ellipsoid { .. } => 0.0,
+        // On a flat side, where the rounded ones lie, they are like all others; on an edge they turn by a few milliradians at
+        // the most before they are looked at again.
+        Shape::Box { .. } | Shape::Hull(_) | Shape::RoundedBox { .. } | Shape::RoundedHull { .. } => {
+            LOOSE * shape.inner_radius()
+        }
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => f32::INFINITY,
     };
     // All of the smaller body is within its diameter from the contact.

@@ -182,7 +182,8 @@ impl World {
     /// [`Error::Shape`] says what is wrong with it.
     pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId, Error> {
         shape.validate()?;
-        if let (Shape::Hull(_), Some(mass)) = (&shape, shape.mass_properties(1.0)) {
+        let polyhedron = matches!(shape, Shape::Hull(_) | Shape::RoundedHull { .. });
+        if let (true, Some(mass)) = (polyhedron, shape.mass_properties(1.0)) {
             self.masses.insert(self.shapes.len(), mass);
         }
         self.shapes.push(shape);

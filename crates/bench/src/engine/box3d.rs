@@ -210,7 +210,14 @@ fn cook(shape: &Shape) -> Result<Cooked, Error> {
             // degenerate triangles are asked for.
             NonNull::new(unsafe { b3CreateMesh(&def, ptr::null_mut(), 0) }).map(Cooked::Mesh).ok_or_else(none)
         }
-        Shape::HalfSpace { .. } | Shape::HeightField(_) => Err(none()),
+        // None of the scenes has these.
+        Shape::HalfSpace { .. }
+        | Shape::HeightField(_)
+        | Shape::Cylinder { .. }
+        | Shape::Cone { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::RoundedBox { .. }
+        | Shape::RoundedHull { .. } => Err(none()),
     }
 }
 

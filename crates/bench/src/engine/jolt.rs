@@ -278,7 +278,14 @@ fn cook(shape: &Shape, density: f32) -> Result<Cooked, Error> {
                 JPH_ShapeSettings_Destroy(settings.cast());
                 made.cast()
             }
-            Shape::HalfSpace { .. } | Shape::HeightField(_) => return Err(none()),
+            // None of the scenes has these.
+            Shape::HalfSpace { .. }
+            | Shape::HeightField(_)
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Ellipsoid { .. }
+            | Shape::RoundedBox { .. }
+            | Shape::RoundedHull { .. } => return Err(none()),
         }
     };
     let made = Cooked(NonNull::new(made).ok_or_else(none)?);

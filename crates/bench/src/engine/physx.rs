@@ -268,7 +268,14 @@ fn cook(library: &Library, shape: &Shape) -> Result<Cooked, Error> {
                 let flags = PxMeshGeometryFlags::TightBounds;
                 Ok(Cooked::Mesh(PxTriangleMeshGeometry_new(mesh, &PxMeshScale_new(), flags)))
             }
-            Shape::HalfSpace { .. } | Shape::HeightField(_) => Err(none()),
+            // None of the scenes has these.
+            Shape::HalfSpace { .. }
+            | Shape::HeightField(_)
+            | Shape::Cylinder { .. }
+            | Shape::Cone { .. }
+            | Shape::Ellipsoid { .. }
+            | Shape::RoundedBox { .. }
+            | Shape::RoundedHull { .. } => Err(none()),
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::facet::Facet;
 use super::{Probe, Touch};
 use crate::gjk::{Proximity, proximity};
-use crate::reduce::reduce;
+use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
 
@@ -71,7 +71,8 @@ pub(super) fn manifolds(facets: &[Facet], probe: &Probe, mut kept: Vec<Touch>, o
                 points.push(ContactPoint { position, distance: touch.distance, feature: touch.feature });
             }
         }
-        out.push(reduce(-normal, &points));
+        let from = probe.frame * start(probe.frame.transpose() * -normal);
+        out.push(reduce_within(-normal, &points, from, probe.tie));
     }
 }
 

@@ -251,7 +251,7 @@ fn sides<'a>(a: &'a Poly, face: usize) -> impl Iterator<Item = (Vec3, Vec3)> + '
 
 /// The part of a segment on the inner side of all planes, as parameters; for each plane, how far outside both
 /// ends are.
-fn clip(planes: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
+pub(super) fn clip(planes: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
     let (mut first, mut last) = (0.0_f32, 1.0_f32);
     for (from, to) in planes {
         if from > 0.0 && to > 0.0 {

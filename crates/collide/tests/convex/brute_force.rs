@@ -59,7 +59,8 @@ impl Random {
     }
 
     /// A shape of the class: 0 sphere, 1 box, 2 capsule, 3 hull, 4 half-space,
-    /// 5 plate or needle down to 0.3 mm, 6 hull of 16 to 32 corners.
+    /// 5 plate or needle down to 0.3 mm, 6 hull of 16 to 32 corners, 7 cylinder, 8 cone, truncated or not, 9 ellipsoid,
+    /// 10 rounded box, 11 rounded hull, 12 disc or rod down to 1:1000, 13 flat or long ellipsoid.
     pub(crate) fn shape(&mut self, class: usize) -> Shape {
         match class {
             0 => Shape::Sphere { radius: self.between(0.2, 1.0) },
@@ -86,6 +87,40 @@ impl Random {
                 let corners = 16 + (self.word() % 17) as usize;
                 self.hull(corners)
             }
+            7 => Shape::Cylinder { half_length: self.between(0.1, 1.0), radius: self.between(0.1, 1.0) },
+            8 => {
+                let (lower, upper) = (self.between(0.0, 1.0), self.between(0.1, 1.0));
+                let tip = if self.word().is_multiple_of(2) { 0.0 } else { lower };
+                let [lower, upper] = if self.word().is_multiple_of(2) { [upper, tip] } else { [tip, upper] };
+                Shape::Cone { half_length: self.between(0.1, 1.0), lower, upper }
+            }
+            9 => Shape::Ellipsoid {
+                half: Vec3::new(self.between(0.2, 1.0), self.between(0.2, 1.0), self.between(0.2, 1.0)),
+            },
+            10 => Shape::RoundedBox {
+                half: Vec3::new(self.between(0.1, 1.0), self.between(0.1, 1.0), self.between(0.1, 1.0)),
+                radius: self.between(0.01, 0.5),
+            },
+            11 => match self.shape(3) {
+                Shape::Hull(hull) => Shape::RoundedHull { hull, radius: self.between(0.01, 0.5) },
+                other => other,
+            },
+            12 => {
+                let thin = 10.0_f32.powf(self.between(-3.0, -1.0));
+                let wide = self.between(0.3, 1.0);
+                match self.word() % 3 {
+                    0 => Shape::Cylinder { half_length: thin, radius: wide },
+                    1 => Shape::Cylinder { half_length: wide, radius: thin },
+                    _ => Shape::Cone { half_length: wide, lower: thin, upper: 0.0 },
+                }
+            }
+            13 => Shape::Ellipsoid {
+                half: Vec3::new(
+                    10.0_f32.powf(self.between(-2.0, 0.0)),
+                    10.0_f32.powf(self.between(-2.0, 0.0)),
+                    self.between(0.3, 1.0),
+                ),
+            },
             _ => Shape::HalfSpace { normal: self.direction(), offset: self.between(-1.0, 1.0) },
         }
     }
@@ -259,7 +294,8 @@ pub(crate) fn size(shape: &Shape) -> f32 {
         Shape::Box { half } => half.length(),
         Shape::Capsule { half_length, radius } => half_length + radius,
         Shape::Hull(hull) => hull.vertices.iter().fold(0.0, |m, v| m.max(v.length())),
-        _ => 1.0,
+        Shape::HalfSpace { .. } => 1.0,
+        other => other.radius_about(Vec3::ZERO),
     }
 }
 

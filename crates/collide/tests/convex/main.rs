@@ -2,4 +2,6 @@
 
 mod brute_force;
 mod manifolds;
+mod opinion;
 mod pairs;
+mod smooth;

@@ -92,6 +92,10 @@ fn resting() -> Vec<(&'static str, Shape, Shape, Isometry)> {
     let unit = Vec3::splat(0.5);
     let ground = || Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 };
     let capsule = || Shape::Capsule { half_length: 0.4, radius: 0.2 };
+    let drum = || Shape::Cylinder { half_length: 0.3, radius: 0.4 };
+    let rod = || Shape::Cylinder { half_length: 0.4, radius: 0.2 };
+    let egg = || Shape::Ellipsoid { half: Vec3::new(0.4, 0.3, 0.2) };
+    let die = || Shape::RoundedBox { half: Vec3::splat(0.2), radius: 0.1 };
     let lying = turned(Vec3::Y, std::f32::consts::FRAC_PI_2);
     let on = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
     let quarter = std::f32::consts::FRAC_PI_4;
@@ -130,6 +134,16 @@ fn resting() -> Vec<(&'static str, Shape, Shape, Isometry)> {
         ("capsule on a hull", cuboid_hull(unit), capsule(), at(on(0.0, 0.1, 0.7), lying)),
         ("capsule by capsule", capsule(), capsule(), at(on(0.4, 0.0, 0.1), Quat::IDENTITY)),
         ("ball on a box", cuboid(unit), Shape::Sphere { radius: 0.3 }, at(on(0.1, 0.1, 0.8), Quat::IDENTITY)),
+        ("drum on the ground", ground(), drum(), at(on(3.0, 0.0, 0.3), turned(Vec3::Z, 0.3))),
+        ("drum on a box", cuboid(unit), drum(), at(on(0.1, 0.1, 0.8), turned(Vec3::Z, 0.3))),
+        ("drum on a drum", drum(), drum(), at(on(0.05, 0.1, 0.6), turned(Vec3::Z, 0.3))),
+        ("small box on a drum", drum(), cuboid(0.2 * unit), at(on(0.05, 0.1, 0.4), Quat::IDENTITY)),
+        ("log on the ground", ground(), rod(), at(on(3.0, 0.0, 0.2), lying)),
+        ("log on a box", cuboid(unit), rod(), at(on(0.0, 0.1, 0.7), lying)),
+        ("log by log", rod(), rod(), at(on(0.4, 0.0, 0.1), Quat::IDENTITY)),
+        ("egg on a box", cuboid(unit), egg(), at(on(0.1, 0.1, 0.7), Quat::IDENTITY)),
+        ("die on a box", cuboid(unit), die(), at(on(0.1, 0.1, 0.8), turned(Vec3::Z, 0.3))),
+        ("die on a die", die(), die(), at(on(0.1, 0.1, 0.6), Quat::IDENTITY)),
         ("edge on edge", cuboid(unit), cuboid(unit), {
             let turn = rotation::compose(turned(Vec3::Z, 0.9), turned(Vec3::X, quarter));
             let lean = rotation::compose(turned(Vec3::Y, quarter), turn);
@@ -153,9 +167,16 @@ fn names_stay_while_a_resting_body_trembles() {
     for (name, a, b, rest) in resting() {
         // Sunk in a little, and apart by less than the margin.
         for lift in [-1e-3, 1e-3] {
-            let up =
-                if matches!(name, "capsule by capsule") { Vec3::X } else { rest.translation.normalize() };
-            let up = if name == "edge on edge" || name == "capsule by capsule" { up } else { Vec3::Z };
+            let up = if matches!(name, "capsule by capsule" | "log by log") {
+                Vec3::X
+            } else {
+                rest.translation.normalize()
+            };
+            let up = if matches!(name, "edge on edge" | "capsule by capsule" | "log by log") {
+                up
+            } else {
+                Vec3::Z
+            };
             let rest = Isometry { translation: rest.translation + lift * up, ..rest };
             let still = manifold(&a, &b, &rest, 0.01).unwrap_or_else(|| panic!("{name} does not touch"));
             // Of eight corners, the one that is deepest by a hair takes the place of another.
@@ -180,8 +201,8 @@ fn names_stay_while_a_resting_body_trembles() {
 fn flat_contacts_have_four_points_and_lines_two() {
     for (name, a, b, rest) in resting() {
         let m = manifold(&a, &b, &rest, 0.01).unwrap();
-        let round = |s: &Shape| matches!(s, Shape::Sphere { .. });
-        let long = |s: &Shape| matches!(s, Shape::Capsule { .. });
+        let round = |s: &Shape| matches!(s, Shape::Sphere { .. } | Shape::Ellipsoid { .. });
+        let long = |s: &Shape| matches!(s, Shape::Capsule { .. }) || name.starts_with("log");
         let wanted = match (&a, &b) {
             _ if name == "edge on edge" || round(&a) || round(&b) => 1,
             _ if long(&a) || long(&b) => 2,
@@ -191,12 +212,15 @@ fn flat_contacts_have_four_points_and_lines_two() {
     }
 }
 
+/// Classes of bounded shapes that are not thin.
+const BOUNDED: [usize; 9] = [0, 1, 2, 3, 7, 8, 9, 10, 11];
+
 #[test]
 fn the_place_in_the_world_does_not_matter() {
     let mut random = Random(5);
-    for first in 0..4 {
-        for second in 0..4 {
-            for _ in 0..300 {
+    for first in BOUNDED {
+        for second in BOUNDED {
+            for _ in 0..100 {
                 let (a, b) = (random.shape(first), random.shape(second));
                 let scale = size(&a) + size(&b);
                 let place = |random: &mut Random, reach: f32| Pose {
@@ -212,11 +236,92 @@ fn the_place_in_the_world_does_not_matter() {
                 };
                 let here = distance(&a, &b, &of_a.see(&of_b)).unwrap();
                 let there = distance(&a, &b, &moved(&of_a).see(&moved(&of_b))).unwrap();
+                // Of two ways out that are as long to half a percent, rounding may choose another one for round shapes.
+                let tie = if first.max(second) > 6 { 5e-3 * here.distance.min(0.0).abs() } else { 0.0 };
                 assert!(
-                    (here.distance - there.distance).abs() < 5e-6 * scale,
+                    (here.distance - there.distance).abs() < 5e-6 * scale + tie,
                     "{a:?}\n{b:?}\n{here:?}\n{there:?}"
                 );
             }
+        }
+    }
+}
+
+fn at_size(shape: &Shape, by: f32) -> Shape {
+    let hull = |hull: &Hull| {
+        let corners: Vec<Vec3> = hull.vertices.iter().map(|v| *v * by).collect();
+        Arc::new(Hull::from_points(&corners).unwrap())
+    };
+    match shape {
+        Shape::Sphere { radius } => Shape::Sphere { radius: by * radius },
+        Shape::Box { half } => Shape::Box { half: by * *half },
+        Shape::Capsule { half_length, radius } => {
+            Shape::Capsule { half_length: by * half_length, radius: by * radius }
+        }
+        Shape::Cylinder { half_length, radius } => {
+            Shape::Cylinder { half_length: by * half_length, radius: by * radius }
+        }
+        Shape::Cone { half_length, lower, upper } => {
+            Shape::Cone { half_length: by * half_length, lower: by * lower, upper: by * upper }
+        }
+        Shape::Ellipsoid { half } => Shape::Ellipsoid { half: by * *half },
+        Shape::RoundedBox { half, radius } => Shape::RoundedBox { half: by * *half, radius: by * radius },
+        Shape::Hull(h) => Shape::Hull(hull(h)),
+        Shape::RoundedHull { hull: h, radius } => Shape::RoundedHull { hull: hull(h), radius: by * radius },
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn a_scene_a_thousand_times_larger_or_smaller_has_the_same_contacts() {
+    let mut random = Random(15);
+    for first in BOUNDED {
+        for second in BOUNDED {
+            for k in 0..40 {
+                let (a, b) = (random.shape(first), random.shape(second));
+                let scale = size(&a) + size(&b);
+                let pose = Isometry {
+                    rotation: random.rotation(),
+                    translation: random.between(0.3, 1.0) * scale * random.direction(),
+                };
+                let here = distance(&a, &b, &pose).unwrap();
+                let by = if k % 2 == 0 { 1e3 } else { 1e-3 };
+                let moved = Isometry { translation: by * pose.translation, ..pose };
+                let there = distance(&at_size(&a, by), &at_size(&b, by), &moved).unwrap();
+                let tie = if first.max(second) > 6 { 5e-3 * here.distance.min(0.0).abs() } else { 0.0 };
+                let off = (there.distance / by - here.distance).abs();
+                assert!(off < 5e-6 * scale + tie, "{a:?}\n{b:?}\n{pose:?}\n{here:?}\n{there:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn concentric_bodies_part_along_their_thinnest_side() {
+    let drum = Shape::Cylinder { half_length: 0.3, radius: 1.0 };
+    let rod = Shape::Cylinder { half_length: 2.0, radius: 0.25 };
+    let egg = Shape::Ellipsoid { half: Vec3::new(1.0, 0.5, 2.0) };
+    let die = Shape::RoundedBox { half: Vec3::new(0.5, 0.4, 0.6), radius: 0.1 };
+    let cube = Shape::Box { half: Vec3::ONE };
+    let ball = Shape::Sphere { radius: 0.5 };
+    // The sum of both reaches along the direction that is the shortest way out.
+    for (a, b, depth) in [
+        (&drum, &drum, 0.6),
+        (&rod, &rod, 0.5),
+        (&egg, &egg, 1.0),
+        (&die, &die, 1.0),
+        (&cube, &drum, 1.3),
+        (&cube, &egg, 1.5),
+        (&die, &cube, 1.5),
+        (&drum, &ball, 0.8),
+        (&egg, &ball, 1.0),
+        (&rod, &ball, 0.75),
+    ] {
+        for (a, b) in [(a, b), (b, a)] {
+            let d = distance(a, b, &Isometry::IDENTITY).unwrap();
+            let m = manifold(a, b, &Isometry::IDENTITY, 0.01).unwrap();
+            assert!((d.distance + depth).abs() < 5e-3 * depth, "{a:?} {b:?} {d:?}");
+            assert!((m.deepest() + depth).abs() < 1e-2 * depth, "{a:?} {b:?} {m:?}");
         }
     }
 }

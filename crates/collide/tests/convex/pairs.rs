@@ -5,9 +5,7 @@
 //! brute force is exact, so brute force decides and parry3d checks that both mean the same thing.
 
 use crate::brute_force::{Random, Solid, gap, judge, manifold, size};
-use parry3d::math::{Pose, Rotation};
-use parry3d::query;
-use parry3d::shape::{Ball, Capsule, ConvexPolyhedron, Cuboid};
+use crate::opinion::second_opinion;
 use rockfall_collide::{Cache, Manifold, collide, distance};
 use rockfall_math::{DVec3, Isometry, Vec3};
 use rockfall_shape::Shape;
@@ -154,23 +152,6 @@ fn check_manifold(
             assert_ne!(p.feature, q.feature, "{m:?}\n{}", what());
         }
     }
-}
-
-fn parry(shape: &Shape) -> Option<Box<dyn parry3d::shape::Shape>> {
-    Some(match shape {
-        Shape::Sphere { radius } => Box::new(Ball::new(*radius)),
-        Shape::Box { half } => Box::new(Cuboid::new(*half)),
-        Shape::Capsule { half_length, radius } => Box::new(Capsule::new_z(*half_length, *radius)),
-        Shape::Hull(hull) => Box::new(ConvexPolyhedron::from_convex_hull(&hull.vertices)?),
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
-    })
-}
-
-/// What parry3d says, and whether it has an opinion.
-fn second_opinion(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<f32> {
-    let (a, b) = (parry(a)?, parry(b)?);
-    let pose = Pose::from_parts(b_in_a.translation, Rotation::from_mat3(&b_in_a.rotation));
-    query::contact(&Pose::IDENTITY, &*a, &pose, &*b, 100.0).ok()?.map(|c| c.dist)
 }
 
 fn class_against_class(first: usize, second: usize, count: usize) {
@@ -338,4 +319,28 @@ fn of_two_boxes_a_used_cache_finds_what_is_as_good() {
         });
     }
     assert!(kept > 100, "{kept}");
+}
+
+/// What the caller relies on when it does not ask again for a while.
+#[test]
+fn what_is_apart_says_so_and_never_by_too_much() {
+    let margin = 0.05;
+    for first in [0, 1, 2, 3, 4, 5] {
+        for second in [0, 1, 2, 3, 5] {
+            for (a, b, b_in_a) in poses(first, second, 2_000) {
+                let exact = EXACT * (size(&a) + size(&b) + 0.5 * b_in_a.translation.length());
+                let truth = distance(&a, &b, &b_in_a).unwrap().distance;
+                for (a, b, pose) in [(&a, &b, b_in_a), (&b, &a, b_in_a.inverse())] {
+                    let (mut cache, mut out) = (Cache::default(), Vec::new());
+                    // With an empty cache and with what it learnt.
+                    for _ in 0..2 {
+                        let apart = collide(a, b, &pose, margin, &mut cache, &mut out);
+                        assert!(apart <= truth.max(0.0) + exact, "{apart} of {truth}: {a:?} {b:?} {pose:?}");
+                        let known = truth <= margin + exact || apart >= margin - exact;
+                        assert!(known, "{apart} of {truth}: {a:?} {b:?} {pose:?}");
+                    }
+                }
+            }
+        }
+    }
 }

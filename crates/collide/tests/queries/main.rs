@@ -51,6 +51,18 @@ fn convex() -> Vec<Shape> {
     ]
 }
 
+/// Those that `parry3d` lacks or has along another axis.
+fn turned_on_a_lathe() -> Vec<Shape> {
+    vec![
+        Shape::Cylinder { half_length: 0.5, radius: 0.7 },
+        Shape::Cone { half_length: 0.8, lower: 0.6, upper: 0.0 },
+        Shape::Cone { half_length: 0.3, lower: 0.4, upper: 0.9 },
+        Shape::Ellipsoid { half: Vec3::new(0.4, 0.9, 0.6) },
+        Shape::RoundedBox { half: Vec3::new(0.3, 0.7, 0.5), radius: 0.15 },
+        Shape::RoundedHull { hull: Arc::new(boulder(1)), radius: 0.1 },
+    ]
+}
+
 /// A hull as a closed mesh.
 fn mesh_of(hull: &Hull) -> Mesh {
     let mut triangles = Vec::new();
@@ -124,6 +136,7 @@ fn parry(shape: &Shape) -> SharedShape {
             SharedShape::trimesh(mesh.vertices.clone(), mesh.triangles.clone()).expect("a mesh")
         }
         Shape::HeightField(field) => parry(&Shape::Mesh(Arc::new(mesh_of_field(field)))),
+        _ => panic!("parry3d is not asked about a {}", shape.name()),
     }
 }
 

@@ -70,7 +70,7 @@ fn every_shape_is_met_where_parry_meets_it() {
 #[test]
 fn hits_lie_on_the_surface_and_normals_point_out() {
     let mut random = Random(13);
-    for shape in convex() {
+    for shape in convex().into_iter().chain(turned_on_a_lathe()) {
         let mut hits = 0;
         for i in 0..2000 {
             let origin = random.point(2.0);
@@ -96,7 +96,7 @@ fn hits_lie_on_the_surface_and_normals_point_out() {
 #[test]
 fn casts_by_distance_meet_what_closed_forms_meet() {
     let mut random = Random(17);
-    for shape in convex() {
+    for shape in convex().into_iter().chain(turned_on_a_lathe()) {
         let (mut hits, mut odd) = (0, 0);
         for i in 0..2000 {
             let origin = random.point(if i % 3 == 0 { 0.4 } else { 2.5 });

@@ -138,7 +138,7 @@ fn finish(hull: &Hull, radius: f64) -> Result<Shape, rockfall_shape::HullError> 
     let centre = hull.center.as_dvec3();
     let corners: Vec<Vec3> =
         hull.vertices.iter().map(|v| ((v.as_dvec3() - centre) * scale).as_vec3()).collect();
-    hull::cook(&corners, corners.len())
+    hull::cook(&corners, corners.len()).map(Shape::Hull)
 }
 
 /// m³, from the tetrahedra between the centre and the triangles of the faces.

@@ -1,4 +1,4 @@
-//! Sphere, box, capsule and half-space: shapes that a few numbers describe.
+//! Sphere, box, capsule, cylinder, cone, ellipsoid and half-space: shapes that a few numbers describe.
 
 use super::{ShapeKind, nothing_to_check, one, small};
 use crate::error::Problem;
@@ -68,6 +68,90 @@ pub(super) static CAPSULE: ShapeKind = ShapeKind {
         let (half_length, radius) = (0.5 * table.f32("length"), table.f32("radius"));
         Ok(vec![Shape::Capsule { half_length, radius }])
     },
+};
+
+pub(super) static CYLINDER_KEYS: Spec = Spec {
+    name: "cylinder",
+    about: "A cylinder with flat ends, along z, around the origin.",
+    example: r#"[shapes.drum]
+kind = "cylinder"
+radius = 0.4
+length = 1
+"#,
+    groups: &[&[
+        required("radius", Ty::Number(POSITIVE), "m."),
+        required("length", Ty::Number(POSITIVE), "From end to end, m."),
+    ]],
+};
+
+pub(super) static CYLINDER: ShapeKind = ShapeKind {
+    spec: &CYLINDER_KEYS,
+    immovable: false,
+    members: one,
+    memory: small,
+    check: nothing_to_check,
+    cook: |table, _| {
+        let (half_length, radius) = (0.5 * table.f32("length"), table.f32("radius"));
+        Ok(vec![Shape::Cylinder { half_length, radius }])
+    },
+};
+
+pub(super) static CONE_KEYS: Spec = Spec {
+    name: "cone",
+    about: "A cone along z with its tip up, or a truncated one. The origin is half-way up.",
+    example: r#"[shapes.cone]
+kind = "cone"
+radius = 0.5
+length = 1.2
+
+[shapes.bucket]
+kind = "cone"
+radius = 0.3
+top_radius = 0.4
+length = 0.6
+"#,
+    groups: &[&[
+        required("radius", Ty::Number(NOT_NEGATIVE), "Of the lower end, m."),
+        key("top_radius", Ty::Number(NOT_NEGATIVE), "0", "Of the upper end, m; 0 is a tip."),
+        required("length", Ty::Number(POSITIVE), "From end to end, m."),
+    ]],
+};
+
+pub(super) static CONE: ShapeKind = ShapeKind {
+    spec: &CONE_KEYS,
+    immovable: false,
+    members: one,
+    memory: small,
+    check: |table| {
+        if table.f64("radius") > 0.0 || table.f64("top_radius") > 0.0 {
+            return Ok(());
+        }
+        let message = format!("`{}` has no width at either end", table.path);
+        Err(Problem::at(table.span_of("radius"), message).expecting("`radius` or `top_radius` above 0"))
+    },
+    cook: |table, _| {
+        let (lower, upper) = (table.f32("radius"), table.f32("top_radius"));
+        Ok(vec![Shape::Cone { half_length: 0.5 * table.f32("length"), lower, upper }])
+    },
+};
+
+pub(super) static ELLIPSOID_KEYS: Spec = Spec {
+    name: "ellipsoid",
+    about: "An ellipsoid around the origin.",
+    example: r#"[shapes.pebble]
+kind = "ellipsoid"
+size = [0.6, 0.4, 0.2]
+"#,
+    groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Diameters along x, y, z, m.")]],
+};
+
+pub(super) static ELLIPSOID: ShapeKind = ShapeKind {
+    spec: &ELLIPSOID_KEYS,
+    immovable: false,
+    members: one,
+    memory: small,
+    check: nothing_to_check,
+    cook: |table, _| Ok(vec![Shape::Ellipsoid { half: 0.5 * table.vec3("size") }]),
 };
 
 pub(super) static HALF_SPACE_KEYS: Spec = Spec {

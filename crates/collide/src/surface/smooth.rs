@@ -1,0 +1,233 @@
+//! Any convex shape against one triangle: the nearest points of both, and what lies around them.
+//!
+//! Where the surface may push along the line of the nearest points, which leave the triangle at an edge or a corner, that is
+//! the contact. Else A is pushed along the triangle's normal: what lies over the triangle of the patch that A turns to it (the
+//! end of a cylinder, a line of its side, a face).
+
+use super::facet::{Facet, corner_pushes};
+use super::{Placed, Probe, Surface, Touch};
+use crate::form::{Form, Solid};
+use crate::gjk::{Core, Near, Placed as Seen, Walk, walk};
+use crate::patch::{LEVEL, Patch, patch};
+use crate::penetration::least_overlap;
+use crate::reduce::start;
+use rockfall_math::{Isometry, Vec3};
+use rockfall_shape::EdgeKind;
+
+/// Cosine of 3°: a direction as near as this to a normal is that normal.
+const ALIGNED: f32 = 0.9986;
+
+/// Cosine of 10°: a face tilted less than this lies on what it touches.
+const LIES: f32 = 0.985;
+
+/// Sine by which a direction may leave the cone of an edge or a corner.
+const CONE: f32 = 2e-4;
+
+/// Share of A's size by which another direction must be better than the triangle's own normal.
+const BETTER: f32 = 1e-3;
+
+/// The point of A's core that is lowest under a plane with this normal.
+pub(super) fn lowest(a: &Solid, normal: Vec3) -> Vec3 {
+    a.form.point(a.form.support(-normal.as_dvec3())).as_vec3()
+}
+
+/// Depths of the corners of A's discs that are equal, metres.
+pub(super) fn tie(a: &Solid) -> f32 {
+    match &a.form {
+        Form::Frustum(f) => LEVEL * f.widest(),
+        _ => 0.0,
+    }
+}
+
+/// Contacts of A with triangle `i`.
+pub(super) fn touch<S: Surface>(
+    placed: &Placed<S>,
+    facets: &[Facet],
+    i: usize,
+    a: &Solid,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    let facet = &facets[i];
+    if !facet.close {
+        return;
+    }
+    let deepest = lowest(a, facet.normal);
+    let height = facet.height(deepest);
+    // Deep inside the triangle no edge is as near as its face, and flat ones never push.
+    let inside = height <= 0.0 && (0..3).all(|edge| facet.outside(edge, deepest) <= height);
+    let flat = facet.kinds.iter().all(|kind| matches!(kind, EdgeKind::Flat | EdgeKind::Concave));
+    if !(inside || flat) {
+        let seen = Seen::new(&Isometry::IDENTITY);
+        let near = match walk(&a.form, &facet.corners[..], &seen, f64::from(probe.margin + a.skin)) {
+            Walk::Beyond(_) => {
+                went_in_beside(facet, i, a, deepest, probe, touches);
+                return;
+            }
+            Walk::Apart(near) => near,
+            Walk::Overlap => least_overlap(&a.form, &facet.corners[..], &seen),
+        };
+        let touch = along(facet, i, a, &near);
+        let cosine = touch.out.dot(facet.normal);
+        let better = near.distance as f32 > height + BETTER * probe.size || near.distance > 0.0;
+        if cosine > 0.0 && cosine < ALIGNED && better && pushes(placed, facet, touch.out, near.on_b.as_vec3())
+        {
+            touches.push(touch);
+            return;
+        }
+    }
+    let spoke = probe.frame * start(probe.frame.transpose() * facet.normal);
+    let before = touches.len();
+    on_face(facet, i, a, &patch(a, -facet.normal, spoke), deepest, probe, touches);
+    if touches.len() == before && height < 0.0 {
+        touches.extend(lowest_over(facet, i, a, height, probe));
+    }
+}
+
+/// The nearest points of A and any triangle that it is in front of, for where no triangle has contacts: over the bottom of a
+/// valley, as seen from each side, A is lowest beyond the other.
+pub(super) fn nearest(facets: &[Facet], a: &Solid, probe: &Probe) -> Option<Touch> {
+    let mut best: Option<Touch> = None;
+    for (i, facet) in facets.iter().enumerate().filter(|(_, facet)| facet.close) {
+        let limit = best.map_or(probe.margin, |touch| touch.distance) + a.skin;
+        let seen = Seen::new(&Isometry::IDENTITY);
+        let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &seen, f64::from(limit)) else { continue };
+        let touch = along(facet, i, a, &near);
+        let front = facet.height(near.on_a.as_vec3()) > 0.0;
+        if front && best.is_none_or(|best| touch.distance < best.distance) {
+            best = Some(touch);
+        }
+    }
+    best
+}
+
+/// The deepest point of A, where it lies under the triangle but A went in through a neighbour in the same plane.
+fn went_in_beside(
+    facet: &Facet,
+    i: usize,
+    a: &Solid,
+    deepest: Vec3,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    let height = facet.height(deepest);
+    if height >= 0.0 || facet.height(probe.center) <= 0.0 || !facet.holds(deepest, height) {
+        return;
+    }
+    let outside = [0, 1, 2].map(|edge| facet.outside(edge, deepest));
+    let nearest = (0..3).fold(0, |near, edge| if outside[edge] > outside[near] { edge } else { near });
+    if facet.kinds[nearest] == EdgeKind::Flat {
+        touches.push(facet.face_touch(i, deepest, a.skin, 0));
+    }
+}
+
+/// The lowest part of A over a triangle whose plane it goes through by `height`, which is negative, deepest elsewhere: what is
+/// nearest to the triangle once that is moved out of A.
+fn lowest_over(facet: &Facet, i: usize, a: &Solid, height: f32, probe: &Probe) -> Option<Touch> {
+    let out = (height - BETTER * probe.size) * facet.normal;
+    let moved = Seen::new(&Isometry { translation: out, ..Isometry::IDENTITY });
+    let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &moved, f64::INFINITY) else { return None };
+    let on_a = near.on_a.as_vec3();
+    let height = facet.height(on_a);
+    (height <= probe.margin + a.skin && facet.holds(on_a, height))
+        .then(|| facet.face_touch(i, on_a, a.skin, 0))
+}
+
+/// The contact along the line of the nearest points.
+fn along(facet: &Facet, i: usize, a: &Solid, near: &Near) -> Touch {
+    let out = -near.normal.as_vec3();
+    let (_, edge, at) = facet.rim(near.on_b.as_vec3());
+    let corners = if at > 0.0 && at < 1.0 {
+        [edge, edge + 1]
+    } else {
+        let corner = if at > 0.0 { edge + 1 } else { edge };
+        [corner, corner]
+    };
+    Touch {
+        out,
+        on_a: near.on_a.as_vec3() - a.skin * out,
+        distance: near.distance as f32 - a.skin,
+        feature: facet.shared_feature(corners, 0),
+        facet: i,
+        doubtful: false,
+    }
+}
+
+/// Whether the surface can push along `out` from a point on the rim of the triangle.
+fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, out: Vec3, at: Vec3) -> bool {
+    let (_, edge, t) = facet.rim(at);
+    let length = facet.corners[edge].distance(facet.corners[(edge + 1) % 3]);
+    // Nearest points know their place to a share of the size only.
+    let end = 1e-5;
+    if t > end && t < 1.0 - end && length > 0.0 {
+        facet.edge_pushes(edge, out, CONE)
+    } else {
+        let corner = if t > 0.5 { (edge + 1) % 3 } else { edge };
+        corner_pushes(placed, facet.triangle, corner, out, CONE)
+    }
+}
+
+/// A under the triangle's normal: the parts of its patch in the prism over the triangle, the triangle's corners under it, and
+/// the deepest point where the patch does not show it.
+fn on_face(
+    facet: &Facet,
+    i: usize,
+    a: &Solid,
+    patch: &Patch,
+    deepest: Vec3,
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
+    let reach = probe.margin + a.skin;
+    let n = patch.corners.len();
+    let mut shown = f32::INFINITY;
+    for (k, &v) in patch.corners.iter().enumerate() {
+        let height = facet.height(v);
+        shown = shown.min(height);
+        if height <= reach && facet.holds(v, height) {
+            touches.push(facet.face_touch(i, v, a.skin, k + 1));
+        }
+    }
+    let height = facet.height(deepest);
+    if height < shown - patch.tie && height <= reach && facet.holds(deepest, height) {
+        touches.push(facet.face_touch(i, deepest, a.skin, 0));
+    }
+    // Of a line there is one edge, of a face as many as it has corners.
+    for e in 0..if n == 2 { 1 } else { n } {
+        let (p, q) = (patch.corners[e], patch.corners[(e + 1) % n]);
+        let heights = [facet.height(p), facet.height(q)];
+        if heights[0].min(heights[1]) > reach {
+            continue;
+        }
+        let sides = (0..3).map(|side| {
+            let [from, to] = [(p, heights[0]), (q, heights[1])]
+                .map(|(v, height)| facet.outside(side, v) - facet.allowance(side, height));
+            (from, to)
+        });
+        let Some((from, to)) = super::solid::clip(sides) else { continue };
+        for (t, end) in [(from, 0.0), (to, 1.0)] {
+            let v = p + t * (q - p);
+            if t != end && facet.height(v) <= reach {
+                let feature = facet.own_feature(3, e, end as usize);
+                touches.push(Touch { feature, ..facet.face_touch(i, v, a.skin, 0) });
+            }
+        }
+    }
+    if n < 3 || patch.cosine < LIES {
+        return;
+    }
+    for (k, &corner) in facet.corners.iter().enumerate() {
+        let distance = patch.height(corner) / patch.cosine - a.skin;
+        if distance <= probe.margin && patch.sides().all(|(from, outward)| outward.dot(corner - from) <= 0.0)
+        {
+            touches.push(Touch {
+                out: facet.normal,
+                on_a: corner + distance * facet.normal,
+                distance,
+                feature: facet.shared_feature([k, k], 64 + patch.face),
+                facet: i,
+                doubtful: true,
+            });
+        }
+    }
+}
