@@ -5,7 +5,7 @@
 //! | magic | 8: [`MAGIC`] |
 //! | byte order | 4: 0x01020304 as this machine writes it |
 //! | version | 4: [`VERSION`] |
-//! | each column | length of its name (1), name, length of its type (1), type, count (8), values, checksum (8) |
+//! | each column | length of its name (1), name, length of its type (1), type, count (8), bytes of the values (8), values, checksum (8) |
 //! | end | a column without a name, type and values |
 //!
 //! Values lie as they do in memory, so that a column passes without a copy. The checksum is XXH3, 64 bits, over the checksum before and
@@ -73,7 +73,7 @@ impl<'a> Writer<'a> {
         count: usize,
         pieces: impl IntoIterator<Item = &'p [T]>,
     ) -> Result<(), Error> {
-        self.head(name, T::TYPE, count as u64)?;
+        self.head(name, T::TYPE, count as u64, (count * T::SIZE) as u64)?;
         for piece in pieces {
             T::put(piece, &mut |bytes| self.put(bytes))?;
         }
@@ -101,20 +101,21 @@ impl<'a> Writer<'a> {
     /// # Errors
     /// [`Error::Io`].
     pub fn finish(mut self) -> Result<u64, Error> {
-        self.head("", "", 0)?;
+        self.head("", "", 0, 0)?;
         self.seal()?;
         self.to.flush()?;
         Ok(self.bytes)
     }
 
-    fn head(&mut self, name: &str, kind: &str, count: u64) -> Result<(), Error> {
+    fn head(&mut self, name: &str, kind: &str, count: u64, bytes: u64) -> Result<(), Error> {
         for text in [name, kind] {
             // Names and types are a few letters.
             debug_assert!(text.len() < 256);
             self.put(&[text.len() as u8])?;
             self.put(text.as_bytes())?;
         }
-        self.put(&count.to_ne_bytes())
+        self.put(&count.to_ne_bytes())?;
+        self.put(&bytes.to_ne_bytes())
     }
 
     fn seal(&mut self) -> Result<(), Error> {
@@ -164,7 +165,7 @@ impl<'a> Reader<'a> {
     /// [`Error::Column`] where another one comes, [`Error::Checksum`], [`Error::Truncated`], [`Error::Invalid`] for values that the type
     /// does not have, [`Error::Io`].
     pub fn column<T: Stored>(&mut self, name: &str) -> Result<Vec<T>, Error> {
-        let count = self.head(name, T::TYPE)?;
+        let count = self.expect(name, T::TYPE, T::SIZE as u64)?;
         let column = T::get(count, &mut |bytes| self.get(name, bytes))?;
         self.check(name)?;
         column.ok_or_else(|| Error::invalid(name, "a value that there is not"))
@@ -199,38 +200,73 @@ impl<'a> Reader<'a> {
         String::from_utf8(self.column(name)?).map_err(|_| Error::invalid(name, "not UTF-8"))
     }
 
+    /// Reads all columns that are left, whatever they are, and the end. Returns the name of each and the bytes of its values.
+    ///
+    /// # Errors
+    /// [`Error::Checksum`], [`Error::Truncated`], [`Error::Invalid`], [`Error::Io`].
+    pub fn rest(mut self) -> Result<Vec<(String, u64)>, Error> {
+        let mut columns = Vec::new();
+        let mut room = vec![0; 1 << 20];
+        loop {
+            let Head { name, bytes, .. } = self.head("head of a column")?;
+            let mut left = bytes;
+            while left > 0 {
+                let now = left.min(room.len() as u64) as usize;
+                self.get(&name, &mut room[..now])?;
+                left -= now as u64;
+            }
+            self.check(&name)?;
+            if name.is_empty() {
+                self.nothing_more()?;
+                return Ok(columns);
+            }
+            columns.push((name, bytes));
+        }
+    }
+
     /// Reads the end, behind which nothing comes.
     ///
     /// # Errors
     /// As [`Reader::column`].
     pub fn finish(mut self) -> Result<(), Error> {
-        self.head("", "")?;
+        self.expect("", "", 0)?;
         self.check("end")?;
+        self.nothing_more()
+    }
+
+    fn nothing_more(&mut self) -> Result<(), Error> {
         match self.from.read(&mut [0])? {
             0 => Ok(()),
             _ => Err(Error::invalid("end", "there is more behind it")),
         }
     }
 
-    fn head(&mut self, name: &str, kind: &str) -> Result<u64, Error> {
+    /// Reads the head of a column that is to come, of values of `size` bytes. Returns their number.
+    fn expect(&mut self, name: &str, kind: &str, size: u64) -> Result<u64, Error> {
+        let found = self.head(name)?;
+        if found.name != name || found.kind != kind || Some(found.bytes) != found.count.checked_mul(size) {
+            return Err(Error::Column {
+                expected: format!("`{name}` of {kind}"),
+                found: format!("`{}` of {}", found.name, found.kind),
+            });
+        }
+        Ok(found.count)
+    }
+
+    fn head(&mut self, place: &str) -> Result<Head, Error> {
         let mut texts = [String::new(), String::new()];
         for text in &mut texts {
             let mut len = [0];
-            self.get(name, &mut len)?;
+            self.get(place, &mut len)?;
             let mut bytes = vec![0; usize::from(len[0])];
-            self.get(name, &mut bytes)?;
+            self.get(place, &mut bytes)?;
             *text = String::from_utf8_lossy(&bytes).into_owned();
         }
-        let mut count = [0; 8];
-        self.get(name, &mut count)?;
-        let [found, found_kind] = texts;
-        if (found.as_str(), found_kind.as_str()) == (name, kind) {
-            return Ok(u64::from_ne_bytes(count));
-        }
-        Err(Error::Column {
-            expected: format!("`{name}` of {kind}"),
-            found: format!("`{found}` of {found_kind}"),
-        })
+        let [name, kind] = texts;
+        let mut numbers = [[0; 8]; 2];
+        numbers.iter_mut().try_for_each(|bytes| self.get(place, bytes))?;
+        let [count, bytes] = numbers.map(u64::from_ne_bytes);
+        Ok(Head { name, kind, count, bytes })
     }
 
     fn check(&mut self, name: &str) -> Result<(), Error> {
@@ -257,6 +293,14 @@ impl<'a> Reader<'a> {
             Err(error) => Err(error.into()),
         }
     }
+}
+
+/// What stands before the values of a column.
+struct Head {
+    name: String,
+    kind: String,
+    count: u64,
+    bytes: u64,
 }
 
 #[cfg(test)]
@@ -312,6 +356,10 @@ mod tests {
             assert!(read(&good[..at]).is_err(), "{at} bytes");
         }
         assert!(read(&[&good[..], &[0]].concat()).is_err());
+        let mut bytes = &good[..];
+        let columns = Reader::new(&mut bytes).unwrap().rest().unwrap();
+        let sizes: Vec<(&str, u64)> = columns.iter().map(|(name, bytes)| (name.as_str(), *bytes)).collect();
+        assert_eq!(sizes, [("name", 7), ("places", 48), ("numbers", 12), ("marks", 2), ("box", 24)]);
     }
 
     #[test]
@@ -326,7 +374,7 @@ mod tests {
         };
         let (one, other) = (two(1), two(2));
         let mut mixed = one.clone();
-        let half = 16 + (1 + 5 + 1 + 3 + 8 + 4 + 8);
+        let half = 16 + (1 + 5 + 1 + 3 + 8 + 8 + 4 + 8);
         mixed[..half].copy_from_slice(&other[..half]);
         let mut bytes = &mixed[..];
         let mut reader = Reader::new(&mut bytes).unwrap();
@@ -351,7 +399,7 @@ mod tests {
     fn a_count_beyond_the_stream_takes_no_memory() {
         let mut bytes = Vec::new();
         let mut writer = Writer::new(&mut bytes).unwrap();
-        writer.head("numbers", u64::TYPE, u64::MAX).unwrap();
+        writer.head("numbers", u64::TYPE, u64::MAX / 8, u64::MAX / 8 * 8).unwrap();
         let mut from = &bytes[..];
         let mut reader = Reader::new(&mut from).unwrap();
         assert!(matches!(reader.column::<u64>("numbers"), Err(Error::Truncated { .. })));

@@ -71,7 +71,7 @@ impl<const P: usize, const T: usize> Stored for Block<P, T> {
     }
 
     fn get(count: u64, get: Get<'_>) -> Result<Option<Vec<Self>>, Error> {
-        get_each(count, size_of::<Self>(), get, |bytes| {
+        get_each(count, Self::SIZE, get, |bytes| {
             let (mut block, mut rest) = (Block::IDLE, bytes);
             block.each(|column| {
                 let here;
@@ -95,7 +95,7 @@ impl<const P: usize> Stored for Names<P> {
     }
 
     fn get(count: u64, get: Get<'_>) -> Result<Option<Vec<Self>>, Error> {
-        get_each(count, size_of::<Self>(), get, |bytes| {
+        get_each(count, Self::SIZE, get, |bytes| {
             let mut names = Names::IDLE;
             let columns = names.features.iter_mut().chain([&mut names.counts]);
             for (column, bytes) in columns.zip(bytes.chunks_exact(size_of::<Column>())) {

@@ -19,6 +19,9 @@ pub trait Stored: Sized {
     /// Its name in the file: another one is refused.
     const TYPE: &'static str;
 
+    /// Bytes of a value in the file.
+    const SIZE: usize = size_of::<Self>();
+
     /// Writes values.
     ///
     /// # Errors
@@ -125,6 +128,7 @@ macro_rules! stored_byte {
     ($type:ty: $name:literal, $($value:path = $byte:literal),* $(,)?) => {
         impl $crate::snapshot::Stored for $type {
             const TYPE: &'static str = $name;
+            const SIZE: usize = 1;
 
             fn put(column: &[Self], put: $crate::snapshot::Put<'_>) -> Result<(), $crate::snapshot::Error> {
                 $crate::snapshot::put_each(column, put, |value, bytes| {
