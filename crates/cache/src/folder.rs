@@ -123,7 +123,11 @@ fn remove_run(path: &Path) -> Result<(), Error> {
 fn remove_frames(path: &Path) -> Result<(), Error> {
     Checkpoint::remove_all(path)?;
     let trajectory = path.join(TRAJECTORY);
-    absent_is_fine(fs::remove_dir_all(&trajectory))
+    // Out of the way first, so that nobody meets half of it.
+    let hidden = part_of(&trajectory);
+    absent_is_fine(fs::remove_dir_all(&hidden))
+        .and_then(|()| absent_is_fine(fs::rename(&trajectory, &hidden)))
+        .and_then(|()| absent_is_fine(fs::remove_dir_all(&hidden)))
         .map_err(|error| Error::io("remove", &trajectory, &error))?;
     let rows = path.join(FRAMES);
     absent_is_fine(fs::remove_file(&rows)).map_err(|error| Error::io("remove", &rows, &error))
