@@ -1,7 +1,11 @@
 //! `frames.csv`: one row per step.
 
+use crate::Error;
 use rockfall::{STAGES, StepReport};
 use std::fmt::Write;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
 
 /// Columns before those of the stages; units are part of the names.
 const COLUMNS: [&str; 22] = [
@@ -73,6 +77,60 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
     }
     line.push('\n');
     line
+}
+
+/// What a row says that other parts of the run say too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    /// Simulated seconds.
+    pub time: f64,
+    /// Hash of the state, where it was taken.
+    pub hash: Option<u64>,
+}
+
+/// Reads the file at `path`: the row of each frame from 1 on. A row that is not complete, at the end, is left out.
+///
+/// # Errors
+/// [`Error::Damaged`] for the first row that is missing or that has a cell without a number; [`Error::Io`].
+pub fn read(path: &Path) -> Result<Vec<Row>, Error> {
+    let text = fs::read_to_string(path).map_err(|error| Error::io("read", path, &error))?;
+    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    let Some(rows) = whole.strip_prefix(&header()) else {
+        return Err(Error::damaged(path, "the names of the columns are others"));
+    };
+    let row = |(line, frame): (&str, u64)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let (&hash, numbers) = cells.split_last()?;
+        let sound = numbers.len() == COLUMNS.len() + STAGES.len()
+            && numbers[0].parse() == Ok(frame)
+            && numbers.iter().all(|cell| cell.parse::<f64>().is_ok());
+        let hash = if hash.is_empty() { None } else { Some(u64::from_str_radix(hash, 16).ok()?) };
+        sound.then_some(Row { time: numbers[1].parse().ok()?, hash })
+    };
+    let damaged = |frame| Error::damaged(path, format!("the row of frame {frame} is missing or damaged"));
+    rows.lines().zip(1..).map(|(line, frame)| row((line, frame)).ok_or_else(|| damaged(frame))).collect()
+}
+
+/// How many bytes of the file at `path` the header and the rows up to that of `frame` take, which has to end with `hash`.
+pub(crate) fn kept_bytes(path: &Path, frame: u64, hash: u64) -> Result<u64, Error> {
+    let file = File::open(path).map_err(|error| Error::io("read", path, &error))?;
+    let mut lines = BufReader::new(file);
+    let (mut bytes, mut line) = (0, String::new());
+    for number in 0..=frame {
+        line.clear();
+        bytes += lines.read_line(&mut line).map_err(|error| Error::io("read", path, &error))? as u64;
+        let whole = if number == 0 { line == header() } else { line.starts_with(&format!("{number},")) };
+        if !whole || !line.ends_with('\n') {
+            return Err(Error::damaged(
+                path,
+                format!("the row of frame {number} is missing, or is of another version"),
+            ));
+        }
+    }
+    if frame > 0 && !line.ends_with(&format!(",{hash:016x}\n")) {
+        return Err(Error::damaged(path, format!("frame {frame} has another hash than its checkpoint")));
+    }
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What can go wrong with a run on disk, and what a person can do about it.
 
+use rockfall::snapshot;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -44,6 +45,26 @@ pub enum Error {
         /// What is wrong with it.
         reason: String,
     },
+    /// Another program writes into the folder.
+    #[error("{} is in use by another run; wait for its end or choose another folder", .0.display())]
+    Locked(PathBuf),
+    /// A checkpoint can't be used.
+    #[error("{} can't be used: {reason}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A run can't go on, since none of its checkpoints can be used.
+    #[error(
+        "{} can't go on: none of its checkpoints can be used; to start again: rockfall run {0}/{scene} --out {0} --overwrite",
+        path.display(), scene = crate::SCENE
+    )]
+    NoCheckpoint {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A run that a later version wrote.
     #[error("{} has format version {found}, this program reads up to {}; use a later rockfall", path.display(), crate::VERSION)]
     Version {
@@ -74,6 +95,14 @@ impl Error {
         Error::Io { action, path: path.to_owned(), reason: error.to_string(), kind: error.kind() }
     }
 
+    /// An error of a snapshot in a file.
+    pub(crate) fn snapshot(action: &'static str, path: &Path, error: snapshot::Error) -> Self {
+        match error {
+            snapshot::Error::Io { reason, kind } => Error::Io { action, path: path.to_owned(), reason, kind },
+            other => Error::Checkpoint { path: path.to_owned(), reason: other.to_string() },
+        }
+    }
+
     /// A part that can't be understood.
     pub(crate) fn damaged(path: &Path, reason: impl ToString) -> Self {
         Error::Damaged { path: path.to_owned(), reason: reason.to_string() }
@@ -84,7 +113,7 @@ impl Error {
 fn advice(kind: ErrorKind) -> &'static str {
     match kind {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            "; free some space or choose a folder on another disk with --out; the frames before are intact"
+            "; free some space and go on with --resume, or choose a folder on another disk with --out; the frames before are intact"
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
             "; choose a folder that you may write to with --out"
@@ -103,8 +132,8 @@ mod tests {
         let error = Error::io("write", Path::new("runs/a/frames.csv"), &ErrorKind::StorageFull.into());
         assert_eq!(
             error.to_string(),
-            "cannot write runs/a/frames.csv: no storage space; free some space or choose a folder on another \
-             disk with --out; the frames before are intact"
+            "cannot write runs/a/frames.csv: no storage space; free some space and go on with --resume, or \
+             choose a folder on another disk with --out; the frames before are intact"
         );
     }
 }

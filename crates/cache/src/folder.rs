@@ -1,10 +1,12 @@
 //! The folder of a run: which one, and what may be replaced.
 
+use crate::lock::Lock;
 use crate::store::{absent_is_fine, part_of};
-use crate::{Error, RunReader};
+use crate::{Checkpoint, Error, RunReader};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The scene as it was run.
 pub const SCENE: &str = "scene.toml";
@@ -15,10 +17,16 @@ pub const FRAMES: &str = "frames.csv";
 /// The poses.
 pub const TRAJECTORY: &str = "trajectory.zarr";
 
-/// An empty folder that a run may fill.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The whole state at some frames.
+pub const CHECKPOINTS: &str = "checkpoints";
+/// Tells who writes into the folder; empty, and of no meaning when nobody does.
+pub const LOCK: &str = ".lock";
+
+/// A folder that a run may fill, and no other one at the same time.
+#[derive(Clone, Debug)]
 pub struct RunFolder {
     path: PathBuf,
+    _lock: Arc<Lock>,
 }
 
 impl RunFolder {
@@ -36,22 +44,45 @@ impl RunFolder {
         if RunReader::is_run(path) {
             return if overwrite { Ok(()) } else { Err(Error::RunExists(path.to_owned())) };
         }
-        let mut entries = fs::read_dir(path).map_err(|error| Error::io("read", path, &error))?;
-        if entries.next().is_some() { Err(Error::Occupied(path.to_owned())) } else { Ok(()) }
+        let entries = fs::read_dir(path).map_err(|error| Error::io("read", path, &error))?;
+        let mut others = entries.filter(|entry| !entry.as_ref().is_ok_and(|entry| entry.file_name() == LOCK));
+        if others.next().is_some() { Err(Error::Occupied(path.to_owned())) } else { Ok(()) }
     }
 
     /// The folder `path`, created where it is missing. A former run in it is replaced if `overwrite` says so: its
-    /// four parts are removed, other files stay.
+    /// parts are removed, other files stay.
     ///
     /// # Errors
-    /// Those of [`RunFolder::check`], before anything is touched; [`Error::Io`].
+    /// Those of [`RunFolder::check`], and [`Error::Locked`], before anything is touched; [`Error::Io`].
     pub fn at(path: &Path, overwrite: bool) -> Result<Self, Error> {
         Self::check(path, overwrite)?;
         fs::create_dir_all(path).map_err(|error| Error::io("create", path, &error))?;
+        let lock = Lock::take(path)?;
+        // What came while it was not locked is not touched either.
+        Self::check(path, overwrite)?;
         if RunReader::is_run(path) {
             remove_run(path)?;
         }
-        Ok(RunFolder { path: path.to_owned() })
+        Ok(RunFolder { path: path.to_owned(), _lock: Arc::new(lock) })
+    }
+
+    /// The folder `path` of a run that is to go on.
+    ///
+    /// # Errors
+    /// [`Error::NotARun`], [`Error::Locked`], [`Error::Io`].
+    pub fn of_run(path: &Path) -> Result<Self, Error> {
+        if !RunReader::is_run(path) {
+            return Err(Error::NotARun { path: path.to_owned(), missing: SUMMARY });
+        }
+        Ok(RunFolder { path: path.to_owned(), _lock: Arc::new(Lock::take(path)?) })
+    }
+
+    /// Removes what the run has written, but for the scene and the summary.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn clear(&self) -> Result<(), Error> {
+        remove_frames(&self.path)
     }
 
     /// The first of `NAME-1`, `NAME-2`, … within `parent` that does not exist yet, created.
@@ -65,7 +96,7 @@ impl RunFolder {
             let path = parent.join(format!("{name}-{number}"));
             // Creation itself is the test, so that two programs never take the same folder.
             match fs::create_dir(&path) {
-                Ok(()) => return Ok(RunFolder { path }),
+                Ok(()) => return Ok(RunFolder { _lock: Arc::new(Lock::take(&path)?), path }),
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(Error::io("create", &path, &error)),
             }
@@ -79,16 +110,27 @@ impl RunFolder {
 }
 
 fn remove_run(path: &Path) -> Result<(), Error> {
-    let trajectory = path.join(TRAJECTORY);
-    absent_is_fine(fs::remove_dir_all(&trajectory))
-        .map_err(|error| Error::io("remove", &trajectory, &error))?;
+    remove_frames(path)?;
     // The summary goes last: until then the folder still counts as a run.
-    for part in [SCENE, FRAMES, SUMMARY] {
+    for part in [SCENE, SUMMARY] {
         for file in [part_of(&path.join(part)), path.join(part)] {
             absent_is_fine(fs::remove_file(&file)).map_err(|error| Error::io("remove", &file, &error))?;
         }
     }
     Ok(())
+}
+
+fn remove_frames(path: &Path) -> Result<(), Error> {
+    Checkpoint::remove_all(path)?;
+    let trajectory = path.join(TRAJECTORY);
+    // Out of the way first, so that nobody meets half of it.
+    let hidden = part_of(&trajectory);
+    absent_is_fine(fs::remove_dir_all(&hidden))
+        .and_then(|()| absent_is_fine(fs::rename(&trajectory, &hidden)))
+        .and_then(|()| absent_is_fine(fs::remove_dir_all(&hidden)))
+        .map_err(|error| Error::io("remove", &trajectory, &error))?;
+    let rows = path.join(FRAMES);
+    absent_is_fine(fs::remove_file(&rows)).map_err(|error| Error::io("remove", &rows, &error))
 }
 
 #[cfg(test)]
@@ -106,6 +148,20 @@ mod tests {
         let file = folder.path().join("thesis.txt");
         assert!(matches!(RunFolder::at(&file, true), Err(Error::NotAFolder(path)) if path == file));
         assert_eq!(fs::read_to_string(file).unwrap(), "years of work");
+    }
+
+    #[test]
+    fn a_folder_is_one_run_at_a_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run");
+        let first = RunFolder::at(&path, false).unwrap();
+        assert!(matches!(RunFolder::at(&path, true), Err(Error::Locked(locked)) if locked == path));
+        fs::write(path.join(SUMMARY), "{}").unwrap();
+        assert!(matches!(RunFolder::of_run(&path), Err(Error::Locked(_))));
+        assert!(path.join(SUMMARY).exists());
+        drop(first);
+        drop(RunFolder::of_run(&path).unwrap());
+        RunFolder::at(&path, true).unwrap();
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Runs of Rockfall on disk.
 //!
-//! A run is a folder with four parts; `docs/run.md` describes them for people who read them with other programs.
+//! A run is a folder with these parts; `docs/run.md` describes them for people who read them with other programs.
 //!
 //! | part | what |
 //! |---|---|
@@ -8,23 +8,27 @@
 //! | `summary.json` | [`Summary`]: what was run, how it ended, figures of the whole run |
 //! | `frames.csv` | one row per step: [`csv`] |
 //! | `trajectory.zarr` | the pose of every body at every frame: [`trajectory`] |
+//! | `checkpoints` | the whole state at some frames, of a run that is not finished: [`Checkpoint`] |
 //!
-//! [`RunWriter`] writes one from a thread of its own while the simulation goes on, [`RunReader`] reads one. Whenever
+//! [`RunWriter`] writes one from a thread of its own while the simulation goes on, or goes on with one that has ended early; [`RunReader`] reads one. Whenever
 //! a run ends, by itself, by a key or by a power cut, what it had written so far can be read.
 #![forbid(unsafe_code)]
 
+mod checkpoint;
 pub mod csv;
 mod error;
 mod folder;
 mod frame;
+mod lock;
 mod reader;
 mod store;
 mod summary;
 pub mod trajectory;
 mod writer;
 
+pub use checkpoint::Checkpoint;
 pub use error::Error;
-pub use folder::{FRAMES, RunFolder, SCENE, SUMMARY, TRAJECTORY};
+pub use folder::{CHECKPOINTS, FRAMES, LOCK, RunFolder, SCENE, SUMMARY, TRAJECTORY};
 pub use frame::{BodyTable, Frame, Poses};
 pub use reader::{Part, RunReader};
 pub use summary::{FORMAT, Final, Status, Summary, VERSION, Whole};

@@ -1,6 +1,6 @@
 //! Reading a run.
 
-use crate::{BodyTable, Error, FRAMES, Poses, SCENE, SUMMARY, Summary, TRAJECTORY};
+use crate::{BodyTable, CHECKPOINTS, Error, FRAMES, Poses, SCENE, SUMMARY, Summary, TRAJECTORY};
 use rockfall_math::DVec3;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -123,7 +123,7 @@ impl RunReader {
         Ok(Poses { positions: read("position")?, orientations: read("orientation")? })
     }
 
-    /// The parts of the run and their sizes; a part that is missing has no files.
+    /// The parts of the run and their sizes; a part that is missing has no files. Checkpoints are a part only where there are any.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -132,7 +132,10 @@ impl RunReader {
             let (bytes, files) = size_of(&self.path.join(name))?;
             Ok(Part { name, bytes, files })
         };
-        [SCENE, SUMMARY, FRAMES, TRAJECTORY].into_iter().map(size).collect()
+        let parts = [SCENE, SUMMARY, FRAMES, TRAJECTORY, CHECKPOINTS].into_iter().map(size);
+        parts
+            .filter(|part| !part.as_ref().is_ok_and(|part| part.name == CHECKPOINTS && part.files == 0))
+            .collect()
     }
 
     fn array(&self, name: &str) -> Result<Array<FilesystemStore>, Error> {

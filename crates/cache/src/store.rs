@@ -1,7 +1,8 @@
 //! Files that are there whole or not at all.
 
 use crate::Error;
-use std::fs;
+use std::collections::BTreeSet;
+use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +11,7 @@ use zarrs::storage::{
 };
 
 /// Writes a file under a hidden name and then moves it into place, so that a reader, or a run that is killed in the
-/// middle, never meets half a file. There is no flush to the disk: a power cut may cost the last seconds.
+/// middle, never meets half a file. There is no flush to the disk: a power cut may cost what came since [`WholeFiles::sync`].
 pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), Error> {
     let part = part_of(path);
     let written = fs::write(&part, content).and_then(|()| fs::rename(&part, path));
@@ -19,6 +20,16 @@ pub(crate) fn write_whole(path: &Path, content: &[u8]) -> Result<(), Error> {
         let _ = fs::remove_file(&part);
         Error::io("write", path, &error)
     })
+}
+
+/// Hands a file to the disk.
+pub(crate) fn sync_file(path: &Path) -> Result<(), Error> {
+    File::open(path).and_then(|file| file.sync_all()).map_err(|error| Error::io("write", path, &error))
+}
+
+/// Hands the names in a folder to the disk, where the system knows how to.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
+    if cfg!(unix) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
 /// The hidden name of a file that is not complete.
@@ -33,17 +44,31 @@ pub(crate) struct WholeFiles {
     root: PathBuf,
     /// The library passes errors on as text; this keeps the first one as it was.
     failure: Mutex<Option<Error>>,
+    /// Files that were written and may not be on the disk yet.
+    fresh: Mutex<BTreeSet<PathBuf>>,
 }
 
 impl WholeFiles {
     pub(crate) fn new(root: PathBuf) -> Self {
-        WholeFiles { root, failure: Mutex::new(None) }
+        WholeFiles { root, failure: Mutex::new(None), fresh: Mutex::default() }
     }
 
     /// The error behind a failed operation of the library.
     pub(crate) fn explain(&self, error: impl ToString) -> Error {
         let failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner).take();
         failure.unwrap_or_else(|| Error::damaged(&self.root, error))
+    }
+
+    /// Hands everything that was written to the disk.
+    pub(crate) fn sync(&self) -> Result<(), Error> {
+        let fresh = std::mem::take(&mut *self.fresh.lock().unwrap_or_else(PoisonError::into_inner));
+        let mut folders = BTreeSet::from([self.root.as_path()]);
+        for path in &fresh {
+            sync_file(path)?;
+            folders.extend(path.parent());
+        }
+        let sync = |path: &Path| sync_folder(path).map_err(|error| Error::io("write", path, &error));
+        folders.into_iter().try_for_each(sync)
     }
 
     fn path(&self, key: &StoreKey) -> PathBuf {
@@ -76,7 +101,10 @@ impl WholeFiles {
 impl WritableStorageTraits for WholeFiles {
     fn set(&self, key: &StoreKey, value: Bytes) -> Result<(), StorageError> {
         let path = self.path(key);
-        self.make_room(&path).and_then(|()| write_whole(&path, &value)).map_err(|error| self.keep(error))
+        let written = self.make_room(&path).and_then(|()| write_whole(&path, &value));
+        written.map_err(|error| self.keep(error))?;
+        self.fresh.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+        Ok(())
     }
 
     fn set_partial_many(&self, key: &StoreKey, _values: OffsetBytesIterator) -> Result<(), StorageError> {

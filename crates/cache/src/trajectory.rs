@@ -20,7 +20,7 @@
 //! level: poses of moving bodies hardly compress, those of absent bodies vanish.
 
 use crate::store::WholeFiles;
-use crate::{BodyTable, Error, Poses};
+use crate::{BodyTable, Error, Poses, RunReader};
 use rockfall_math::DVec3;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -79,8 +79,7 @@ impl TrajectoryWriter {
     pub fn create(path: &Path, table: &BodyTable, origin: DVec3, rate: f64) -> Result<Self, Error> {
         let store = Arc::new(WholeFiles::new(path.to_owned()));
         let bodies = table.len();
-        let chunk = bodies.div_ceil(bodies.div_ceil(CHUNK_BODIES).max(1)).max(1);
-        let span = frames_in_chunk(bodies);
+        let chunk = bodies_in_chunk(bodies);
         let group = attributes([
             ("rockfall_trajectory", json!(LAYOUT)),
             ("origin", json!(origin.to_array())),
@@ -113,13 +112,59 @@ impl TrajectoryWriter {
             &table.scales,
         )?;
 
+        let writer = Self::empty(store, bodies, origin)?;
+        for array in [&writer.position, &writer.orientation, &writer.time] {
+            array.store_metadata().map_err(|error| writer.store.explain(error))?;
+        }
+        Ok(writer)
+    }
+
+    /// Goes on with the trajectory in the folder `path`, which `reader` reads and which has at least `frames` frames. Those are as they
+    /// were, what is behind them is dropped.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`], before anything is touched; [`Error::Io`].
+    pub(crate) fn resume(
+        path: &Path,
+        table: &BodyTable,
+        reader: &RunReader,
+        frames: u64,
+    ) -> Result<Self, Error> {
+        let store = Arc::new(WholeFiles::new(path.to_owned()));
+        let mut writer = Self::empty(store, table.len(), reader.origin()?)?;
+        // Chunks that are not full have to be written anew.
+        let first = frames - 1 - (frames - 1) % writer.span as u64;
+        let times = reader.times()?;
+        let times = times.get(..frames as usize).unwrap_or(&times);
+        let full = first - first % CHUNK_TIMES as u64;
+        writer.frames = first;
+        let (before, behind) = times[full as usize..].split_at((first - full) as usize);
+        writer.times[..before.len()].copy_from_slice(before);
+        // None of these fills a chunk but the last one.
+        for (frame, &time) in (first..).zip(behind) {
+            let poses = reader.poses(frame)?;
+            if poses.positions.len() != 3 * writer.bodies || poses.orientations.len() != 4 * writer.bodies {
+                return Err(Error::damaged(path, format!("frame {frame} has another number of bodies")));
+            }
+            writer.put(time, &poses);
+        }
+        // First no more frames are said to be there than will be.
+        writer.time.set_shape(vec![frames]).map_err(|error| writer.store.explain(error))?;
+        writer.time.store_metadata().map_err(|error| writer.store.explain(error))?;
+        writer.flush()?;
+        Ok(writer)
+    }
+
+    /// Without frames; nothing of it is in the store.
+    fn empty(store: Arc<WholeFiles>, bodies: usize, origin: DVec3) -> Result<Self, Error> {
+        let (chunk, span) = (bodies_in_chunk(bodies), frames_in_chunk(bodies));
         let moving = |last: usize, names| Layout {
             store: &store,
             shape: vec![0, bodies as u64, last as u64],
             chunk: vec![span as u64, chunk as u64, last as u64],
             names,
         };
-        let position = moving(3, &["frame", "body", "xyz"]).create(
+        let position = moving(3, &["frame", "body", "xyz"]).build(
             "position",
             data_type::float32(),
             f32::NAN,
@@ -129,7 +174,7 @@ impl TrajectoryWriter {
                 ("origin", json!(origin.to_array())),
             ]),
         )?;
-        let orientation = moving(4, &["frame", "body", "xyzw"]).create(
+        let orientation = moving(4, &["frame", "body", "xyzw"]).build(
             "orientation",
             data_type::float32(),
             f32::NAN,
@@ -141,7 +186,7 @@ impl TrajectoryWriter {
         )?;
         let time =
             Layout { store: &store, shape: vec![0], chunk: vec![CHUNK_TIMES as u64], names: &["frame"] }
-                .create(
+                .build(
                     "time",
                     data_type::float64(),
                     f64::NAN,
@@ -174,6 +219,12 @@ impl TrajectoryWriter {
     /// # Errors
     /// [`Error::Io`] names the file that could not be written. The frames before stay readable.
     pub fn append(&mut self, time: f64, poses: &Poses) -> Result<(), Error> {
+        self.put(time, poses);
+        if self.frames.is_multiple_of(self.span as u64) { self.flush() } else { Ok(()) }
+    }
+
+    /// Puts a frame into the chunks that are not full yet.
+    fn put(&mut self, time: f64, poses: &Poses) {
         let slot = (self.frames % self.span as u64) as usize;
         if slot == 0 {
             self.positions.fill(f32::NAN);
@@ -187,7 +238,15 @@ impl TrajectoryWriter {
         }
         self.times[time_slot] = time;
         self.frames += 1;
-        if slot + 1 == self.span { self.flush() } else { Ok(()) }
+    }
+
+    /// Puts all frames into the store, and hands it to the disk.
+    ///
+    /// # Errors
+    /// As [`TrajectoryWriter::append`].
+    pub fn sync(&mut self) -> Result<(), Error> {
+        self.flush()?;
+        self.store.sync()
     }
 
     /// Puts all frames into the store.
@@ -220,6 +279,11 @@ impl TrajectoryWriter {
         self.stored = frames;
         Ok(())
     }
+}
+
+/// The bodies shared out evenly among chunks.
+fn bodies_in_chunk(bodies: usize) -> usize {
+    bodies.div_ceil(bodies.div_ceil(CHUNK_BODIES).max(1)).max(1)
 }
 
 /// A power of two, so that no chunk of poses straddles two chunks of times.
@@ -263,7 +327,7 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    fn create(
+    fn build(
         &self,
         name: &str,
         data_type: DataType,
@@ -285,7 +349,6 @@ impl Layout<'_> {
             .build(self.store.clone(), &format!("/{name}"))
             .map_err(|error| self.store.explain(error))?
             .with_metadata_options(ArrayMetadataOptions::default().with_include_zarrs_metadata(false));
-        array.store_metadata().map_err(|error| self.store.explain(error))?;
         Ok(array)
     }
 
@@ -299,7 +362,8 @@ impl Layout<'_> {
         values: &[T],
     ) -> Result<(), Error> {
         let attributes = attributes([("description", json!(description))]);
-        let array = self.create(name, data_type, fill, attributes)?;
+        let array = self.build(name, data_type, fill, attributes)?;
+        array.store_metadata().map_err(|error| self.store.explain(error))?;
         let chunk = self.chunk[0] as usize;
         for (index, part) in values.chunks(chunk).enumerate() {
             let mut part = part.to_vec();

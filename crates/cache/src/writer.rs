@@ -5,13 +5,16 @@
 //! stays bounded and no frame is dropped. The buffers travel back, so that a run allocates them once. A program that
 //! is killed loses what is in the queue and, where a chunk holds several frames, the last quarter of a second.
 
+use crate::store::write_whole;
 use crate::trajectory::TrajectoryWriter;
-use crate::{BodyTable, Error, FRAMES, Frame, Poses, RunFolder, SCENE, SUMMARY, Summary, TRAJECTORY, csv};
+use crate::{
+    BodyTable, Error, FRAMES, Frame, Poses, RunFolder, RunReader, SCENE, SUMMARY, Summary, TRAJECTORY, csv,
+};
 use rockfall_math::DVec3;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -24,8 +27,9 @@ const FLUSH: Duration = Duration::from_millis(250);
 /// Writes a run from a thread of its own.
 #[derive(Debug)]
 pub struct RunWriter {
-    folder: PathBuf,
-    frames: Option<SyncSender<Frame>>,
+    /// Nobody else writes into it meanwhile.
+    folder: RunFolder,
+    frames: Option<SyncSender<Message>>,
     back: Receiver<Poses>,
     thread: Option<JoinHandle<Result<u64, Error>>>,
     waited: Duration,
@@ -53,28 +57,70 @@ impl RunWriter {
         table: &BodyTable,
         origin: DVec3,
     ) -> Result<Self, Error> {
-        let path = folder.path().to_owned();
+        let path = folder.path();
         summary.write(&path.join(SUMMARY))?;
-        let scene_path = path.join(SCENE);
-        fs::write(&scene_path, scene).map_err(|error| Error::io("write", &scene_path, &error))?;
+        write_whole(&path.join(SCENE), scene.as_bytes())?;
         let rows_path = path.join(FRAMES);
-        let rows = File::create(&rows_path).map_err(|error| Error::io("create", &rows_path, &error))?;
+        let mut rows = File::create(&rows_path).map_err(|error| Error::io("create", &rows_path, &error))?;
+        rows.write_all(csv::header().as_bytes()).map_err(|error| Error::io("write", &rows_path, &error))?;
         let trajectory_path = path.join(TRAJECTORY);
         fs::create_dir(&trajectory_path).map_err(|error| Error::io("create", &trajectory_path, &error))?;
         let trajectory =
             TrajectoryWriter::create(&trajectory_path, table, origin, summary.frames_per_second)?;
+        Self::start(folder, Parts { rows, rows_path, trajectory, frame: 0 })
+    }
 
+    /// Goes on with a run after the frame `frame`, whose state has the hash `hash`. Frames and rows behind it are dropped; what is before
+    /// it stays to the byte.
+    ///
+    /// # Errors
+    /// Before anything is touched: [`Error::Damaged`] where frames or rows up to there are missing, or are those of another run. [`Error::Io`].
+    pub fn resume(
+        folder: &RunFolder,
+        summary: &Summary,
+        table: &BodyTable,
+        frame: u64,
+        hash: u64,
+    ) -> Result<Self, Error> {
+        let path = folder.path();
+        let rows_path = path.join(FRAMES);
+        let kept = csv::kept_bytes(&rows_path, frame, hash)?;
+        let reader = RunReader::open(path)?;
+        let trajectory_path = path.join(TRAJECTORY);
+        if reader.bodies()? != *table {
+            return Err(Error::damaged(&trajectory_path, "it has other bodies than the scene"));
+        }
+        let frames = reader.frames()?;
+        if frames <= frame {
+            return Err(Error::damaged(
+                &trajectory_path,
+                format!("it has {frames} frames, and not frame {frame}"),
+            ));
+        }
+        let trajectory = TrajectoryWriter::resume(&trajectory_path, table, &reader, frame + 1)?;
+        summary.write(&path.join(SUMMARY))?;
+        let rows = File::options().append(true).open(&rows_path);
+        let rows = rows.and_then(|rows| rows.set_len(kept).map(|()| rows));
+        let rows = rows.map_err(|error| Error::io("write", &rows_path, &error))?;
+        Self::start(folder, Parts { rows, rows_path, trajectory, frame: frame + 1 })
+    }
+
+    /// Starts the thread.
+    fn start(folder: &RunFolder, mut parts: Parts) -> Result<Self, Error> {
         let (frames, queue) = sync_channel(QUEUE);
         let (give_back, back) = channel();
         let thread = thread::Builder::new()
             .name("run writer".into())
             .spawn(move || {
-                let mut parts = Parts { rows, rows_path, trajectory, frame: 0 };
-                parts.write_row(&csv::header())?;
                 let mut flushed = Instant::now();
                 loop {
                     match queue.recv_timeout(FLUSH) {
-                        Ok(frame) => {
+                        Ok(Message::Sync(done)) => {
+                            parts.sync()?;
+                            // Nobody waits for it when the simulation has ended.
+                            let _ = done.send(());
+                        }
+                        Ok(Message::Frame(frame)) => {
                             parts.write(&frame)?;
                             // Nobody wants the buffer any more when the simulation has ended.
                             let _ = give_back.send(frame.poses);
@@ -90,9 +136,9 @@ impl RunWriter {
                 parts.trajectory.flush()?;
                 Ok(parts.trajectory.stored())
             })
-            .map_err(|error| Error::io("start the thread that writes", &path, &error))?;
+            .map_err(|error| Error::io("start the thread that writes", folder.path(), &error))?;
         Ok(RunWriter {
-            folder: path,
+            folder: folder.clone(),
             frames: Some(frames),
             back,
             thread: Some(thread),
@@ -110,18 +156,43 @@ impl RunWriter {
     /// # Errors
     /// The one that ended the writing, of this frame or of one before.
     pub fn push(&mut self, frame: Frame) -> Result<(), Error> {
-        let Some(frames) = &self.frames else { return Err(Error::WriterGone(self.folder.clone())) };
-        let sent = match frames.try_send(frame) {
+        self.send(Message::Frame(Box::new(frame)))
+    }
+
+    /// Waits until all frames that were pushed are on the disk, whatever happens to the machine.
+    ///
+    /// # Errors
+    /// As [`RunWriter::push`].
+    pub fn sync(&mut self) -> Result<(), Error> {
+        let (done, synced) = channel();
+        self.send(Message::Sync(done))?;
+        let start = Instant::now();
+        let synced = synced.recv().is_ok();
+        self.waited += start.elapsed();
+        if synced {
+            Ok(())
+        } else {
+            Err(self.join().err().unwrap_or(Error::WriterGone(self.folder.path().to_owned())))
+        }
+    }
+
+    fn send(&mut self, message: Message) -> Result<(), Error> {
+        let Some(frames) = &self.frames else { return Err(Error::WriterGone(self.folder.path().to_owned())) };
+        let sent = match frames.try_send(message) {
             Ok(()) => true,
             Err(TrySendError::Disconnected(_)) => false,
-            Err(TrySendError::Full(frame)) => {
+            Err(TrySendError::Full(message)) => {
                 let start = Instant::now();
-                let sent = frames.send(frame).is_ok();
+                let sent = frames.send(message).is_ok();
                 self.waited += start.elapsed();
                 sent
             }
         };
-        if sent { Ok(()) } else { Err(self.join().err().unwrap_or(Error::WriterGone(self.folder.clone()))) }
+        if sent {
+            Ok(())
+        } else {
+            Err(self.join().err().unwrap_or(Error::WriterGone(self.folder.path().to_owned())))
+        }
     }
 
     /// Writes what is in the queue and ends the thread. The run is complete when its last [`Summary`] is written
@@ -134,15 +205,20 @@ impl RunWriter {
         Ok(Written { frames, waited: self.waited })
     }
 
+    /// Time that the simulation waited for this so far.
+    pub fn waited(&self) -> Duration {
+        self.waited
+    }
+
     /// The folder of the run.
     pub fn path(&self) -> &Path {
-        &self.folder
+        self.folder.path()
     }
 
     /// Closes the queue and waits for the thread.
     fn join(&mut self) -> Result<u64, Error> {
         self.frames = None;
-        let gone = || Error::WriterGone(self.folder.clone());
+        let gone = || Error::WriterGone(self.folder.path().to_owned());
         self.thread.take().ok_or_else(gone)?.join().map_err(|_| gone())?
     }
 }
@@ -155,6 +231,15 @@ impl Drop for RunWriter {
             let _ = thread.join();
         }
     }
+}
+
+/// What the thread is told.
+#[derive(Debug)]
+enum Message {
+    /// To be written.
+    Frame(Box<Frame>),
+    /// All frames before are to be handed to the disk; then it says so.
+    Sync(Sender<()>),
 }
 
 /// What the thread writes to.
@@ -173,6 +258,11 @@ impl Parts {
         }
         self.frame += 1;
         self.trajectory.append(frame.time, &frame.poses)
+    }
+
+    fn sync(&mut self) -> Result<(), Error> {
+        self.trajectory.sync()?;
+        self.rows.sync_all().map_err(|error| Error::io("write", &self.rows_path, &error))
     }
 
     /// One call for one row: a run that is killed has whole rows.

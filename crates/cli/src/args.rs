@@ -3,13 +3,14 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rockfall::Solver;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Simulates very many rigid bodies in hard contact.
 #[derive(Debug, Parser)]
 #[command(name = "rockfall", version, propagate_version = true, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done, 1 the run failed, 2 wrong usage, 3 wrong scene, 4 another hash than \
-expected, 130 interrupted."
+    after_help = "Exit codes: 0 done, 1 the run failed or is damaged, 2 wrong usage, 3 wrong scene, 4 another result \
+than expected, 130 interrupted."
 )]
 pub(crate) struct Cli {
     /// What to do.
@@ -24,6 +25,10 @@ pub(crate) enum Verb {
     Run(Box<RunArgs>),
     /// Say what is in a scene file or in the output of a run.
     Info(InfoArgs),
+    /// Check that the output of a run is whole: checksums, rows, frames, poses.
+    Verify(VerifyArgs),
+    /// Say where two runs differ first, and by how much.
+    Diff(DiffArgs),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -45,7 +50,16 @@ pub(crate) struct NoBenchArgs {
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// Scene file.
-    pub(crate) scene: PathBuf,
+    #[arg(required_unless_present = "resume")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Go on with the run in this folder, from its last checkpoint. Only threads, lanes and what is printed can be chosen.
+    #[arg(long, value_name = "DIR", conflicts_with_all = [
+        "scene", "out", "overwrite", "no_output", "frames", "solver", "substeps", "seed", "dry_run",
+    ])]
+    pub(crate) resume: Option<PathBuf>,
+    /// Save the whole state every so many frames, or so much time (90s, 10min, 1h), or never; the last two are kept.
+    #[arg(long, value_name = "N", default_value = "10min", value_parser = every)]
+    pub(crate) checkpoint_every: Every,
     /// Folder for the output, made where it is missing [default: the next free runs/SCENE-NUMBER].
     #[arg(long, value_name = "DIR", conflicts_with = "no_output")]
     pub(crate) out: Option<PathBuf>,
@@ -100,6 +114,33 @@ pub(crate) struct InfoArgs {
     pub(crate) json: bool,
 }
 
+/// `rockfall verify`.
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Folder of a run.
+    pub(crate) run: PathBuf,
+}
+
+/// `rockfall diff`.
+#[derive(Debug, Args)]
+pub(crate) struct DiffArgs {
+    /// Folder of a run.
+    pub(crate) first: PathBuf,
+    /// Folder of the run to compare it with.
+    pub(crate) second: PathBuf,
+}
+
+/// How often the state is saved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Every {
+    /// After so many frames.
+    Frames(u64),
+    /// After the first frame that ends so long after the last time.
+    Time(Duration),
+    /// Not even when the run is interrupted.
+    Never,
+}
+
 /// The solvers by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
@@ -138,6 +179,25 @@ fn lanes(text: &str) -> Result<usize, String> {
     }
 }
 
+/// A number of frames, a time, or `never`.
+fn every(text: &str) -> Result<Every, String> {
+    let expected = || "expected a number of frames, a time such as 90s, 10min or 1h, or never".to_owned();
+    if text == "never" {
+        return Ok(Every::Never);
+    }
+    let split = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(split);
+    let number = number.parse::<u64>().ok().filter(|number| (1..=1_000_000_000).contains(number));
+    let number = number.ok_or_else(expected)?;
+    match unit {
+        "" => Ok(Every::Frames(number)),
+        "s" => Ok(Every::Time(Duration::from_secs(number))),
+        "min" => Ok(Every::Time(Duration::from_secs(60 * number))),
+        "h" => Ok(Every::Time(Duration::from_secs(3600 * number))),
+        _ => Err(expected()),
+    }
+}
+
 /// A hash as the program prints it.
 fn hash(text: &str) -> Result<u64, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
@@ -155,6 +215,18 @@ mod tests {
     #[test]
     fn the_command_line_is_well_formed() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn checkpoints_come_after_frames_or_a_time() {
+        assert_eq!(every("250"), Ok(Every::Frames(250)));
+        assert_eq!(every("90s"), Ok(Every::Time(Duration::from_secs(90))));
+        assert_eq!(every("10min"), every("600s"));
+        assert_eq!(every("2h"), every("120min"));
+        assert_eq!(every("never"), Ok(Every::Never));
+        for wrong in ["", "0", "-1", "min", "10 min", "1.5h", "10m", "99999999999"] {
+            assert!(every(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -22,6 +22,8 @@ pub(crate) enum Failure {
         /// What came out.
         found: u64,
     },
+    /// Two runs differ; that has been said.
+    Different,
     /// Somebody stopped the run; what it had done is on disk.
     Interrupted,
 }
@@ -36,7 +38,7 @@ impl Failure {
             Failure::Hash { expected, found } => {
                 say::error(&format!("Error: the hash is {found:016x}, expected {expected:016x}"));
             }
-            Failure::Interrupted => {}
+            Failure::Different | Failure::Interrupted => {}
         }
         ExitCode::from(self.code())
     }
@@ -46,7 +48,7 @@ impl Failure {
             Failure::Run(_) => 1,
             Failure::NotBuilt(_) => 2,
             Failure::Scene(_) => 3,
-            Failure::Hash { .. } => 4,
+            Failure::Hash { .. } | Failure::Different => 4,
             Failure::Interrupted => INTERRUPTED,
         }
     }

@@ -1,10 +1,11 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
 mod bench;
+mod diff;
 mod exit;
 mod info;
 mod open;
@@ -16,6 +17,7 @@ mod say;
 mod stop;
 mod summary;
 mod units;
+mod verify;
 
 use args::{Cli, Verb};
 use clap::Parser;
@@ -27,6 +29,8 @@ fn main() -> ExitCode {
     let done = match Cli::parse().verb {
         Verb::Run(args) => run::run(&args),
         Verb::Info(args) => info::info(&args),
+        Verb::Verify(args) => verify::verify(&args),
+        Verb::Diff(args) => diff::diff(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

@@ -7,9 +7,9 @@ use rockfall_scene::Scene;
 use std::path::Path;
 use std::thread::available_parallelism;
 
-/// Reads the scene and puts the options in place of what it says. Threads and lanes become the numbers that are used.
-pub(crate) fn open(args: &RunArgs) -> Result<Scene, Failure> {
-    let mut scene = Scene::load(&args.scene)?;
+/// Reads the scene at `path` and puts the options in place of what it says. Threads and lanes become the numbers that are used.
+pub(crate) fn open(path: &Path, args: &RunArgs) -> Result<Scene, Failure> {
+    let mut scene = Scene::load(path)?;
     if let Some(frames) = args.frames {
         scene.override_frames(frames);
     }

@@ -1,14 +1,17 @@
 //! The output of a run: the world's state, frame by frame, into a run's folder.
 
-use crate::args::RunArgs;
+use crate::args::{Every, RunArgs};
 use crate::exit::Failure;
 use crate::open;
+use crate::summary::Tally;
 use rockfall::math::DVec3;
+use rockfall::math::hash::combine;
+use rockfall::snapshot;
 use rockfall::{StepReport, World};
-use rockfall_cache::{BodyTable, Frame, RunFolder, RunWriter, Summary};
+use rockfall_cache::{BodyTable, Checkpoint, Frame, RunFolder, RunReader, RunWriter, Summary};
 use rockfall_scene::{Running, Scene};
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Where runs go when nobody says where.
 const RUNS: &str = "runs";
@@ -23,6 +26,11 @@ pub(crate) struct Output {
     writer: RunWriter,
     table: BodyTable,
     origin: DVec3,
+    /// Hash of the scene as it was run, by which checkpoints are known.
+    scene: u64,
+    every: Every,
+    /// When there was a checkpoint last, and of which frame.
+    last: (Instant, u64),
 }
 
 impl Output {
@@ -37,20 +45,87 @@ impl Output {
     /// Starts the folder and writes the state at the start.
     pub(crate) fn start(
         args: &RunArgs,
+        path: &Path,
         scene: &Scene,
         running: &Running,
         summary: &Summary,
     ) -> Result<Self, Failure> {
         let folder = match &args.out {
             Some(path) => RunFolder::at(path, args.overwrite)?,
-            None => RunFolder::numbered(Path::new(RUNS), &open::name(&args.scene))?,
+            None => RunFolder::numbered(Path::new(RUNS), &open::name(path))?,
         };
+        Self::start_in(&folder, args, scene, running, summary)
+    }
+
+    /// The same in a folder that there is.
+    pub(crate) fn start_in(
+        folder: &RunFolder,
+        args: &RunArgs,
+        scene: &Scene,
+        running: &Running,
+        summary: &Summary,
+    ) -> Result<Self, Failure> {
         let table = table(running);
         let origin = origin(running.world.poses().iter().map(|pose| pose.position));
-        let writer = RunWriter::create(&folder, &scene.to_toml_filled(), summary, &table, origin)?;
-        let mut output = Output { writer, table, origin };
+        let text = scene.to_toml_filled();
+        let writer = RunWriter::create(folder, &text, summary, &table, origin)?;
+        let scene = hash(&text);
+        let (every, last) = (args.checkpoint_every, (Instant::now(), 0));
+        let mut output = Output { writer, table, origin, scene, every, last };
         output.push(&running.world, None)?;
         Ok(output)
+    }
+
+    /// Goes on in the folder of a run, whose state is that after the frame `frame`.
+    pub(crate) fn resume(
+        folder: &RunFolder,
+        args: &RunArgs,
+        scene: &Scene,
+        running: &Running,
+        summary: &Summary,
+        frame: u64,
+    ) -> Result<Self, Failure> {
+        let table = table(running);
+        let origin = RunReader::open(folder.path())?.origin()?;
+        let writer = RunWriter::resume(folder, summary, &table, frame, running.world.hash())?;
+        let scene = hash(&scene.to_toml_filled());
+        Ok(Output {
+            writer,
+            table,
+            origin,
+            scene,
+            every: args.checkpoint_every,
+            last: (Instant::now(), frame),
+        })
+    }
+
+    /// Saves the whole state after frame `frame`, where it is time to, or somebody asks for it `now`.
+    pub(crate) fn save(
+        &mut self,
+        running: &Running,
+        tally: &Tally,
+        frame: u64,
+        now: bool,
+    ) -> Result<(), Failure> {
+        let (time, before) = self.last;
+        let due = match self.every {
+            Every::Frames(frames) => now || frame - before >= frames,
+            Every::Time(every) => now || time.elapsed() >= every,
+            Every::Never => false,
+        };
+        if !due || frame == before {
+            return Ok(());
+        }
+        // A checkpoint is of no use without the frames before it.
+        self.writer.sync()?;
+        let (scene, waited) = (self.scene, self.writer.waited());
+        Checkpoint::write(self.writer.path(), frame, |to| {
+            to.one("scene", scene)?;
+            tally.save(waited, to)?;
+            running.save(to)
+        })?;
+        self.last = (Instant::now(), frame);
+        Ok(())
     }
 
     /// Hands the state of the world over to be written.
@@ -72,6 +147,26 @@ impl Output {
     pub(crate) fn finish(self) -> Result<Duration, Failure> {
         Ok(self.writer.finish()?.waited)
     }
+}
+
+/// Reads a checkpoint of this scene into `running`. Returns the figures so far.
+pub(crate) fn load(checkpoint: &Checkpoint, scene: &Scene, running: &mut Running) -> Result<Tally, Failure> {
+    let expected = hash(&scene.to_toml_filled());
+    let mut tally = checkpoint.read(|from| {
+        if from.one::<u64>("scene")? != expected {
+            return Err(snapshot::Error::OtherWorld("scene.toml"));
+        }
+        let tally = Tally::load(from)?;
+        running.load(from)?;
+        Ok(tally)
+    })?;
+    tally.resume(running.world.report());
+    Ok(tally)
+}
+
+/// A hash of the text of a scene.
+fn hash(text: &str) -> u64 {
+    text.bytes().fold(text.len() as u64, |hash, byte| combine(hash, u64::from(byte)))
 }
 
 /// The bodies by ascending id.

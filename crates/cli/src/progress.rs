@@ -17,6 +17,8 @@ const NEWEST: f64 = 0.1;
 pub(crate) struct Progress {
     look: Look,
     frames: u64,
+    /// Steps that were done before.
+    before: u64,
     done: u64,
     start: Instant,
     /// Mean of the last steps, seconds; zero before the first.
@@ -31,8 +33,8 @@ enum Look {
 }
 
 impl Progress {
-    /// For a run of so many frames.
-    pub(crate) fn new(frames: u64, quiet: bool) -> Self {
+    /// For a run of so many frames, some of which were done `before`.
+    pub(crate) fn new(frames: u64, before: u64, quiet: bool) -> Self {
         let look = if quiet {
             Look::Quiet
         } else if stderr().is_terminal() {
@@ -45,14 +47,14 @@ impl Progress {
         } else {
             Look::Lines { last: Instant::now() }
         };
-        Progress { look, frames, done: 0, start: Instant::now(), step: 0.0 }
+        Progress { look, frames, before, done: before, start: Instant::now(), step: 0.0 }
     }
 
     /// A step is done; it took `time`.
     pub(crate) fn step(&mut self, report: &StepReport, time: Duration) {
         self.done += 1;
         let time = time.as_secs_f64();
-        self.step = if self.done == 1 { time } else { self.step + NEWEST * (time - self.step) };
+        self.step = if self.done == self.before + 1 { time } else { self.step + NEWEST * (time - self.step) };
         let figures = || figures(report, self.step);
         match &mut self.look {
             Look::Bar(bar) => {
@@ -62,7 +64,8 @@ impl Progress {
             Look::Lines { last } if last.elapsed() >= LINES => {
                 *last = Instant::now();
                 let elapsed = self.start.elapsed().as_secs_f64();
-                let left = elapsed / self.done as f64 * (self.frames - self.done.min(self.frames)) as f64;
+                let left = elapsed / (self.done - self.before) as f64
+                    * (self.frames - self.done.min(self.frames)) as f64;
                 let eta = units::time(Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX));
                 say::error(&format!("{}/{}  ETA {eta}  {}", self.done, self.frames, figures()));
             }

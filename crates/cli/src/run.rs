@@ -2,87 +2,164 @@
 
 use crate::args::RunArgs;
 use crate::exit::Failure;
-use crate::output::Output;
+use crate::output::{self, Output};
 use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::stop::Stop;
 use crate::summary::{self, Tally};
 use crate::{open, say, units};
-use rockfall_cache::{SUMMARY, Status, Summary};
+use rockfall_cache::{Checkpoint, RunFolder, SCENE, SUMMARY, Status, Summary};
 use rockfall_scene::Running;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Runs a scene as the options want it.
+/// Runs a scene as the options want it, or goes on with a run.
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let start = Instant::now();
-    let scene = open::open(args)?;
+    if let Some(folder) = &args.resume {
+        return resume(args, folder, start);
+    }
+    // One or the other is there.
+    let path = args.scene.as_deref().unwrap_or(Path::new(""));
+    let scene = open::open(path, args)?;
     if args.dry_run {
-        let plan = Plan::new(&args.scene, &scene);
+        let plan = Plan::new(path, &scene);
         say::out(&if args.json { plan.to_json() } else { plan.to_string() });
         return Ok(());
     }
     Output::check(args)?;
-    let mut summary = summary::head(&args.scene, &scene);
+    let summary = summary::head(path, &scene);
     note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
-    let mut running = scene.build()?;
-    let mut tally = Tally::new(start.elapsed());
+    let running = scene.build()?;
+    let tally = Tally::new(start.elapsed());
 
     // Until here Ctrl-C ends the program in the ordinary way: there is nothing to save.
     let stop = Stop::listen()?;
-    let mut output =
-        if args.no_output { None } else { Some(Output::start(args, &scene, &running, &summary)?) };
-    let folder = output.as_ref().map(|output| output.path().to_owned());
-    note(args, &started(&summary, folder.as_deref()));
-    let mut progress = Progress::new(scene.frames, args.quiet);
-    let ended = simulate(&mut running, scene.frames, output.as_mut(), &stop, |report, time| {
-        tally.step(report, time);
-        progress.step(report, time);
-    });
-    progress.finish();
+    let output =
+        if args.no_output { None } else { Some(Output::start(args, path, &scene, &running, &summary)?) };
+    Job { running, tally, output, summary, done: 0, frames: scene.frames }.finish(args, &stop)
+}
 
-    let written = output.map_or(Ok(Duration::ZERO), Output::finish);
-    let complete = ended.as_ref().ok().filter(|_| written.is_ok());
-    summary.status = complete.copied().unwrap_or(Status::Failed);
-    let hash = running.world.hash();
-    summary.hash = format!("{hash:016x}");
-    tally.fill(&mut summary, *written.as_ref().unwrap_or(&Duration::ZERO), running.world.memory());
-    // Even a disk that refused poses may take the few bytes that say so.
-    let told = folder.as_ref().map_or(Ok(()), |path| summary.write(&path.join(SUMMARY)));
-    let status = ended?;
-    written?;
-    told?;
-    show(args, &summary, folder);
-    match args.expect_hash {
-        _ if status == Status::Interrupted => Err(Failure::Interrupted),
-        Some(expected) if expected != hash => Err(Failure::Hash { expected, found: hash }),
-        _ => Ok(()),
+/// Goes on with the run in a folder: from its last checkpoint, from the one before it where that can't be used, or from the start where there
+/// was none yet.
+fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
+    let folder = RunFolder::of_run(path)?;
+    let former = Summary::read(&path.join(SUMMARY))?;
+    if former.status == Status::Finished {
+        note(args, &format!("{} is finished: there is nothing to go on with", path.display()));
+        show(args, &former, Some(path.to_owned()));
+        return ended(args, Status::Finished, &former.hash);
+    }
+    let scene_path = path.join(SCENE);
+    let scene = open::open(&scene_path, args)?;
+    let summary = Summary { scene: former.scene, ..summary::head(&scene_path, &scene) };
+    note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
+    let mut running = scene.build()?;
+    let stop = Stop::listen()?;
+    let checkpoints = Checkpoint::all(path)?;
+    for checkpoint in &checkpoints {
+        let frame = checkpoint.frame;
+        let resumed = output::load(checkpoint, &scene, &mut running).and_then(|tally| {
+            let output = Output::resume(&folder, args, &scene, &running, &summary, frame)?;
+            Ok((tally, output))
+        });
+        match resumed {
+            Ok((tally, output)) => {
+                note(args, &format!("going on after frame {}", units::count(frame)));
+                let output = Some(output);
+                return Job { running, tally, output, summary, done: frame, frames: scene.frames }
+                    .finish(args, &stop);
+            }
+            // Told also where only errors are: it costs the frames since the checkpoint before.
+            Err(Failure::Run(reason)) => say::error(&format!("Warning: {reason}")),
+            Err(other) => return Err(other),
+        }
+    }
+    if !checkpoints.is_empty() {
+        return Err(rockfall_cache::Error::NoCheckpoint { path: path.to_owned() }.into());
+    }
+    note(args, "there is no checkpoint yet: starting again");
+    folder.clear()?;
+    let tally = Tally::new(start.elapsed());
+    let output = Some(Output::start_in(&folder, args, &scene, &running, &summary)?);
+    Job { running, tally, output, summary, done: 0, frames: scene.frames }.finish(args, &stop)
+}
+
+/// A run that is ready to go.
+struct Job {
+    running: Running,
+    tally: Tally,
+    output: Option<Output>,
+    summary: Summary,
+    /// Steps that were done before.
+    done: u64,
+    /// Steps of the whole run.
+    frames: u64,
+}
+
+impl Job {
+    /// Does what is left, and says what came out.
+    fn finish(mut self, args: &RunArgs, stop: &Stop) -> Result<(), Failure> {
+        let folder = self.output.as_ref().map(|output| output.path().to_owned());
+        note(args, &started(&self.summary, folder.as_deref()));
+        let mut progress = Progress::new(self.frames, self.done, args.quiet);
+        let simulated = self.simulate(stop, &mut progress);
+        progress.finish();
+
+        let Job { running, tally, output, mut summary, .. } = self;
+        let written = output.map_or(Ok(Duration::ZERO), Output::finish);
+        let complete = simulated.as_ref().ok().filter(|_| written.is_ok());
+        summary.status = complete.copied().unwrap_or(Status::Failed);
+        summary.hash = format!("{:016x}", running.world.hash());
+        tally.fill(&mut summary, *written.as_ref().unwrap_or(&Duration::ZERO), running.world.memory());
+        // Even a disk that refused poses may take the few bytes that say so.
+        let told = folder.as_ref().map_or(Ok(()), |path| summary.write(&path.join(SUMMARY)));
+        let status = simulated?;
+        written?;
+        told?;
+        if let (Status::Finished, Some(path)) = (status, &folder) {
+            Checkpoint::remove_all(path)?;
+        }
+        show(args, &summary, folder);
+        ended(args, status, &summary.hash)
+    }
+
+    /// Steps until the end, or until somebody wants it to stop.
+    fn simulate(&mut self, stop: &Stop, progress: &mut Progress) -> Result<Status, Failure> {
+        let Job { running, tally, output, .. } = self;
+        for frame in self.done..self.frames {
+            if stop.asked() {
+                if let Some(output) = output {
+                    output.save(running, tally, frame, true)?;
+                }
+                return Ok(Status::Interrupted);
+            }
+            running.before_step(frame).map_err(|error| Failure::Run(format!("at frame {frame}: {error}")))?;
+            let start = Instant::now();
+            running.world.step();
+            let time = start.elapsed();
+            let report = running.world.report();
+            tally.step(report, time);
+            progress.step(report, time);
+            if let Some(output) = output {
+                output.push(&running.world, Some(report))?;
+                if frame + 1 < self.frames {
+                    output.save(running, tally, frame + 1, false)?;
+                }
+            }
+        }
+        Ok(Status::Finished)
     }
 }
 
-/// Steps until the end, or until somebody wants it to stop.
-fn simulate(
-    running: &mut Running,
-    frames: u64,
-    mut output: Option<&mut Output>,
-    stop: &Stop,
-    mut watch: impl FnMut(&rockfall::StepReport, Duration),
-) -> Result<Status, Failure> {
-    for frame in 0..frames {
-        if stop.asked() {
-            return Ok(Status::Interrupted);
-        }
-        running.before_step(frame).map_err(|error| Failure::Run(format!("at frame {frame}: {error}")))?;
-        let start = Instant::now();
-        running.world.step();
-        let time = start.elapsed();
-        let report = running.world.report();
-        watch(report, time);
-        if let Some(output) = &mut output {
-            output.push(&running.world, Some(report))?;
-        }
+/// What the exit code tells of a run that has ended, `hash` being the last state's.
+fn ended(args: &RunArgs, status: Status, hash: &str) -> Result<(), Failure> {
+    let found = u64::from_str_radix(hash, 16).unwrap_or_default();
+    match args.expect_hash {
+        _ if status == Status::Interrupted => Err(Failure::Interrupted),
+        Some(expected) if expected != found => Err(Failure::Hash { expected, found }),
+        _ => Ok(()),
     }
-    Ok(Status::Finished)
 }
 
 fn started(summary: &Summary, folder: Option<&Path>) -> String {

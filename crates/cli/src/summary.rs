@@ -2,6 +2,7 @@
 
 use crate::args::solver_name;
 use crate::units;
+use rockfall::snapshot::{self, Reader, Writer};
 use rockfall::{STAGES, StepReport};
 use rockfall_cache::{FORMAT, Final, Status, Summary, VERSION, Whole};
 use rockfall_scene::Scene;
@@ -42,6 +43,8 @@ pub(crate) struct Tally {
     deepest: f32,
     most_contacts: usize,
     last: StepReport,
+    /// What took time before a run went on: all of it but loading, and waiting for the disk.
+    before: [Duration; 2],
 }
 
 impl Tally {
@@ -56,7 +59,43 @@ impl Tally {
             deepest: 0.0,
             most_contacts: 0,
             last: StepReport::default(),
+            before: [Duration::ZERO; 2],
         }
+    }
+
+    /// Writes the figures so far; the simulation has waited for the disk for so long.
+    pub(crate) fn save(&self, waited: Duration, to: &mut Writer<'_>) -> Result<(), snapshot::Error> {
+        let Tally { start, load, steps_ms, stages, body_steps, deepest, most_contacts, last: _, before } =
+            self;
+        let times = [*load, before[0] + start.elapsed(), before[1] + waited];
+        to.column("tally.times_s", &times.map(|time| time.as_secs_f64()))?;
+        to.column("tally.stages_s", &stages.map(|time| time.as_secs_f64()))?;
+        to.column("tally.steps_ms", steps_ms)?;
+        to.column("tally.counts", &[*body_steps, *most_contacts as u64])?;
+        to.one("tally.deepest_m", *deepest)
+    }
+
+    /// Goes on with the figures that [`Tally::save`] wrote; the clock starts now.
+    pub(crate) fn load(from: &mut Reader<'_>) -> Result<Self, snapshot::Error> {
+        let time = |s: &f64| Duration::try_from_secs_f64(*s).unwrap_or_default();
+        let times: Vec<f64> = from.column_of("tally.times_s", 3)?;
+        let stages: Vec<f64> = from.column_of("tally.stages_s", STAGES.len())?;
+        let steps_ms = from.column("tally.steps_ms")?;
+        let counts: Vec<u64> = from.column_of("tally.counts", 2)?;
+        Ok(Tally {
+            stages: std::array::from_fn(|i| time(&stages[i])),
+            steps_ms,
+            body_steps: counts[0],
+            most_contacts: counts[1] as usize,
+            deepest: from.one("tally.deepest_m")?,
+            before: [time(&times[1]), time(&times[2])],
+            ..Tally::new(time(&times[0]))
+        })
+    }
+
+    /// The last step was the one that `report` tells of, before the run went on.
+    pub(crate) fn resume(&mut self, report: &StepReport) {
+        self.last.clone_from(report);
     }
 
     /// A step is done; it took `time`.
@@ -65,7 +104,7 @@ impl Tally {
         for (sum, stage) in self.stages.iter_mut().zip(&report.times) {
             *sum += *stage;
         }
-        self.body_steps += report.bodies as u64;
+        self.body_steps = self.body_steps.saturating_add(report.bodies as u64);
         self.deepest = self.deepest.max(report.deepest_penetration);
         self.most_contacts = self.most_contacts.max(report.contacts);
         self.last.clone_from(report);
@@ -96,9 +135,9 @@ impl Tally {
             deepest_penetration_m: self.deepest.into(),
             most_contacts: self.most_contacts,
             load_s: self.load.as_secs_f64(),
-            wall_s: self.start.elapsed().as_secs_f64(),
+            wall_s: (self.before[0] + self.start.elapsed()).as_secs_f64(),
             step_s,
-            wait_for_disk_s: waited.as_secs_f64(),
+            wait_for_disk_s: (self.before[1] + waited).as_secs_f64(),
             median_step_ms: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0).into(),
             slowest_step_ms: sorted.last().copied().unwrap_or(0.0).into(),
             body_steps_per_s: if step_s > 0.0 { self.body_steps as f64 / step_s } else { 0.0 },

@@ -1,10 +1,12 @@
 //! Axis-aligned boxes in single precision.
 
 use crate::{Pose, Vec3};
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// An axis-aligned box, metres. Empty when `min > max` on any axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Aabb {
     /// Smallest corner.
     pub min: Vec3,

@@ -4,6 +4,7 @@ use crate::body::Template;
 use crate::generators::Pour;
 use crate::plan::{BodyRow, Plan};
 use crate::shapes::bounding_ball;
+use rockfall::snapshot::{self, Reader, Writer};
 use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, ShapeId, World};
 use rockfall_math::{DVec3, Pose, Vec3, rotation::rotate};
 
@@ -80,6 +81,36 @@ impl Running {
             }
         }
         Ok(count)
+    }
+
+    /// Writes how far it is: what each pour has emitted, and the state of the world.
+    ///
+    /// # Errors
+    /// [`snapshot::Error::Io`].
+    pub fn save(&self, to: &mut Writer<'_>) -> Result<(), snapshot::Error> {
+        // The scene makes the others anew; all random numbers of a pour follow from its seed and the number of a body.
+        #[rustfmt::skip]
+        let Running {
+            world, emitted, rows: _, shapes: _, materials: _, templates: _, pours: _, balls: _, rate: _,
+        } = self;
+        to.column("emitted", &emitted.iter().map(|&count| count as u64).collect::<Vec<u64>>())?;
+        world.save(to)
+    }
+
+    /// Goes on from where [`Running::save`] was, of the same scene.
+    ///
+    /// # Errors
+    /// Those of [`World::load`], and for a scene with other pours; everything is left as it was.
+    pub fn load(&mut self, from: &mut Reader<'_>) -> Result<(), snapshot::Error> {
+        let emitted: Vec<u64> = from.column("emitted")?;
+        let due =
+            |(&count, pour): (&u64, &Pour)| usize::try_from(count).ok().filter(|&n| n <= pour.rows.len());
+        let counts: Option<Vec<usize>> = emitted.iter().zip(&self.pours).map(due).collect();
+        let counts = counts.filter(|_| emitted.len() == self.pours.len());
+        let counts = counts.ok_or(snapshot::Error::OtherWorld("pours"))?;
+        self.world.load(from)?;
+        self.emitted = counts;
+        Ok(())
     }
 
     /// The bodies of pour `p` that are due and find room.

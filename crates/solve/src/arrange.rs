@@ -186,7 +186,7 @@ impl Contacts {
         blank.into_iter().zip(painter.paint(&blanks)).collect()
     }
 
-    fn rows_at(&self, at: Lane) -> (u32, u32) {
+    pub(crate) fn rows_at(&self, at: Lane) -> (u32, u32) {
         let (block, lane) = (at.block(), at.lane());
         match at.class() {
             Class::Ball => self.ball.rows(block, lane),

@@ -4,6 +4,7 @@
 //! machine's registers. Kernels that write to blocks and bodies fetch from memory what is in [`Block`] (hot) and, only for
 //! contacts that bounce or resist rolling, what is in [`Cold`].
 
+use bytemuck::{Pod, Zeroable};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3};
 
@@ -53,7 +54,7 @@ pub struct Block<const P: usize, const T: usize> {
 }
 
 /// What only contacts that bounce, resist rolling, or resist twisting at a single point need.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Cold {
     /// Coefficient of restitution.

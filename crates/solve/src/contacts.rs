@@ -47,7 +47,7 @@ pub struct Contacts {
     /// Whether rows are cut into tiles.
     pub(crate) tiled: bool,
     /// Whether a contact that came in this step found no colour.
-    crowded: bool,
+    pub(crate) crowded: bool,
     /// Whether blocks have come since the plan was made.
     pub(crate) grown: bool,
 }
@@ -230,7 +230,7 @@ impl Contacts {
     pub fn prepare(&mut self, lines: &[Line]) {
         // Bodies that came behind all others may have begun another tile.
         let more = self.tiled && self.plan.inner.len() != self.tiles();
-        if self.grown || more || self.plan.serial() > 0 {
+        if self.grown || self.crowded || more || self.plan.serial() > 0 {
             self.plan = Plan::new(self);
             self.grown = false;
         }

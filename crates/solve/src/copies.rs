@@ -21,9 +21,12 @@ use crate::contacts::Contacts;
 use crate::line::{Columns, Drift, Line};
 use crate::manifold::FIXED;
 use crate::shelf::Class;
+use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
 use rockfall_math::lanes::Row;
+use rockfall_math::snapshot::{Error, Reader, Writer};
+use rockfall_math::stored_plain;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// A body with so many contacts, of one side, is left whole: they find colours.
@@ -41,7 +44,8 @@ const PRESSING: u64 = 1 << 32;
 const IDLE: u64 = 1;
 
 /// A body that is split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 struct Split {
     /// Of the body.
     row: u32,
@@ -50,6 +54,8 @@ struct Split {
     /// Copies, a power of two.
     count: u32,
 }
+
+stored_plain!(Split: "split");
 
 /// The copies of all bodies that are split.
 #[derive(Clone, Debug, Default)]
@@ -110,6 +116,31 @@ impl Copies {
     /// Rows of bodies and copies.
     pub(crate) fn rows(&self) -> usize {
         self.bodies as usize + self.owners.len()
+    }
+
+    /// Writes them.
+    pub(crate) fn save(&self, to: &mut Writer<'_>) -> Result<(), Error> {
+        let Copies { bodies: _, splits, owners: _, shares, means: _ } = self;
+        to.column("copies.splits", splits)?;
+        to.column("copies.shares", shares)
+    }
+
+    /// Reads those of so many bodies, of which no more than `most` copies may be.
+    pub(crate) fn load(from: &mut Reader<'_>, bodies: usize, most: usize) -> Result<Self, Error> {
+        let mut copies = Copies::none(bodies);
+        copies.splits = from.column("copies.splits")?;
+        let mut next = 1;
+        for &Split { row, first, count } in &copies.splits {
+            let sound = row >= next && (row as usize) < bodies && first as usize == copies.owners.len();
+            let few = count > 1 && copies.owners.len() + count as usize <= most;
+            Error::unless(sound && few, "copies.splits", "a body that can't be split so")?;
+            copies.owners.extend(std::iter::repeat_n(row, count as usize));
+            next = row + 1;
+        }
+        let rows = copies.rows() < FIXED as usize;
+        Error::unless(rows, "copies.splits", "more copies than rows can be told apart")?;
+        copies.shares = from.column_of("copies.shares", copies.owners.len())?;
+        Ok(copies)
     }
 
     /// Number of bodies that are split.

@@ -27,6 +27,7 @@ pub mod reflect;
 pub mod respond;
 mod shelf;
 mod single;
+mod snapshot;
 pub mod soft;
 mod sweep;
 pub mod tally;

@@ -106,6 +106,13 @@ impl Painter {
         }
     }
 
+    /// Takes a colour at a contact's bodies where it is free at both, and tells whether it was. Not for several threads at once.
+    pub(crate) fn take_if_free(&self, color: u32, a: u32, b: Option<u32>) -> bool {
+        let free = color >= COLORS || self.masks(a, b).all(|mask| mask.load(Relaxed) >> color & 1 == 0);
+        self.take(color, a, b);
+        free && Some(a) != b
+    }
+
     /// A colour is free again.
     pub(crate) fn free(&self, color: u32, a: u32, b: Option<u32>) {
         if color < COLORS {

@@ -5,6 +5,7 @@ use crate::manifold::{Manifold, Memory};
 use crate::paint::OVERFLOW;
 use crate::plan::cold_of;
 use crate::single::Single;
+use bytemuck::{Pod, Zeroable};
 use rockfall_math::room::make_room;
 
 /// How many points the blocks of a class have room for, and how their contacts follow.
@@ -31,7 +32,8 @@ impl Class {
 }
 
 /// The place of one contact: a lane of a block. It holds until the contact is moved or the blocks are sorted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct Lane(u32);
 
 impl Default for Lane {
@@ -45,7 +47,7 @@ impl Lane {
     pub const NONE: Lane = Lane(u32::MAX);
 
     /// Bits of the number of a lane within its class.
-    const BITS: u32 = 29;
+    pub(crate) const BITS: u32 = 29;
 
     /// # Panics
     /// Beyond 2²⁹ contacts of a class, whose blocks would take 40 GiB and more.
@@ -113,7 +115,8 @@ pub(crate) struct Cut {
 
 /// What the contacts of a block have in common: phase, tile, colour, class, and whether they have a cold half, in the order in
 /// which contacts are swept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(transparent)]
 pub(crate) struct Key(u32);
 
 impl Key {
@@ -127,6 +130,11 @@ impl Key {
         debug_assert!(tile <= Self::NO_TILE && color <= OVERFLOW);
         let place = (phase as u32) << Self::TILES | tile;
         Key(place << 10 | color << 3 | (class as u32) << 1 | u32::from(cold))
+    }
+
+    /// Whether it is one that [`Key::new`] makes.
+    pub(crate) fn is_sound(self) -> bool {
+        ((self.0 >> (Self::TILES + 10)) as usize) < PHASES.len() && self.color() <= OVERFLOW
     }
 
     pub(crate) fn phase(self) -> Phase {
@@ -182,7 +190,8 @@ impl<const P: usize> Names<P> {
 }
 
 /// For how long contacts may follow their bodies, lane by lane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct Slack {
     /// Way that the two bodies may still go relative to each other, metres.
     pub(crate) left: Column,

@@ -3,9 +3,11 @@
 use crate::{Body, Kind};
 use rayon::prelude::*;
 use rockfall_math::lanes::Row;
+use rockfall_math::snapshot::{Error, Reader, Writer};
+use rockfall_math::stored_byte;
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
-use rockfall_solve::{Columns, Drift, Line};
+use rockfall_solve::{Columns, Drift, FIXED, Line};
 
 /// Whether a body takes part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +22,9 @@ pub(crate) enum State {
     /// Removed; the row goes with the next step.
     Dead,
 }
+
+stored_byte!(Kind: "kind", Kind::Dynamic = 0, Kind::Kinematic = 1, Kind::Static = 2);
+stored_byte!(State: "state", State::Awake = 0, State::Asleep = 1, State::Frozen = 2, State::Dead = 3);
 
 /// Declares the columns once; everything that must treat all of them alike is made from the list.
 macro_rules! columns {
@@ -58,6 +63,25 @@ macro_rules! columns {
             pub(crate) fn reorder(&mut self, order: &[u32]) {
                 let rows = || order.par_iter().with_min_len(4096);
                 $(self.$name = rows().map(|&i| self.$name[i as usize].clone()).collect();)*
+            }
+
+            /// Writes all columns.
+            pub(crate) fn save(&self, to: &mut Writer<'_>) -> Result<(), Error> {
+                $(to.column(stringify!($name), &self.$name)?;)*
+                Ok(())
+            }
+
+            fn read(from: &mut Reader<'_>) -> Result<Self, Error> {
+                let mut rows = None;
+                $(
+                    let $name: Vec<$type> = match rows {
+                        None => from.column(stringify!($name))?,
+                        Some(rows) => from.column_of(stringify!($name), rows)?,
+                    };
+                    rows = Some($name.len());
+                )*
+                let _ = rows;
+                Ok(Bodies { $($name,)* })
             }
 
             /// Bytes held.
@@ -125,6 +149,21 @@ columns! {
 }
 
 impl Bodies {
+    /// Reads all columns, of a world with so many shapes and materials.
+    pub(crate) fn load(from: &mut Reader<'_>, shapes: usize, materials: usize) -> Result<Self, Error> {
+        let bodies = Bodies::read(from)?;
+        let world = bodies.kinds.first() == Some(&Kind::Static) && bodies.states[0] != State::Dead;
+        Error::unless(
+            world && bodies.rows() < FIXED as usize,
+            "ids",
+            "no row of the world, or too many rows",
+        )?;
+        let known = |column: &[u32], count: usize| column[1..].iter().all(|&index| (index as usize) < count);
+        Error::unless(known(&bodies.shapes, shapes), "shapes", "a shape that is not there")?;
+        Error::unless(known(&bodies.materials, materials), "materials", "a material that is not there")?;
+        Ok(bodies)
+    }
+
     /// Number of rows, the world's and dead ones included.
     pub(crate) fn rows(&self) -> usize {
         self.ids.len()

@@ -18,6 +18,11 @@ pub(crate) struct Index {
 }
 
 impl Index {
+    /// Trees over the first so many rows, whose boxes are up to date.
+    pub(crate) fn new(bodies: &Bodies, rows: usize) -> Self {
+        Index { movers: tree(bodies, rows, true), fixed: tree(bodies, rows, false), worn: 0 }
+    }
+
     /// Bytes held.
     pub(crate) fn memory(&self) -> usize {
         self.movers.memory() + self.fixed.memory()
@@ -35,21 +40,23 @@ pub(crate) struct Turnover {
 
 /// Brings the trees up to date.
 pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], turnover: Turnover) {
-    let build = |movers: bool| {
-        let rows = (1..bodies.rows() as u32).into_par_iter();
-        let items: Vec<u32> = rows.filter(|&row| bodies.is_mover(row as usize) == movers).collect();
-        Tree::build_some(&items, |row| bodies.boxes[row])
-    };
     let renewed = moved.par_iter().with_min_len(4096).filter(|&&m| m).count();
     index.worn += renewed;
     if turnover.all {
-        index.fixed = build(false);
+        index.fixed = tree(bodies, bodies.rows(), false);
     }
     // A refit tree answers the same queries, more slowly the further its items have gone.
     if turnover.all || turnover.fresh > 0 || index.worn > index.movers.len() {
-        index.movers = build(true);
+        index.movers = tree(bodies, bodies.rows(), true);
         index.worn = 0;
     } else if renewed > 0 {
         index.movers.refit_moved(moved, |row| bodies.boxes[row]);
     }
+}
+
+/// A tree over those of the first so many rows that can move, or over the others.
+fn tree(bodies: &Bodies, rows: usize, movers: bool) -> Tree {
+    let rows = (1..rows as u32).into_par_iter();
+    let items: Vec<u32> = rows.filter(|&row| bodies.is_mover(row as usize) == movers).collect();
+    Tree::build_some(&items, |row| bodies.boxes[row])
 }

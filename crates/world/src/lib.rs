@@ -31,6 +31,7 @@ pub use material::{Material, Mix};
 pub use report::{STAGES, StepReport};
 pub use rockfall_collide::INSIDE;
 pub use rockfall_math as math;
+pub use rockfall_math::snapshot;
 pub use rockfall_shape as shape;
 pub use rockfall_shape::Shape;
 pub use settings::{Settings, Solver};

@@ -4,6 +4,8 @@
 //! it is brought up to date in its place, by one thread, beside all others, and nothing is merged for the world as a whole. A run that has grown to twice its length is cut, neighbours that have shrunk are
 //! joined. Where the cuts lie follows from what happened before; nothing that is computed may depend on it.
 
+mod snapshot;
+
 use crate::recall::Recall;
 use rayon::prelude::*;
 use rockfall_math::room::give_back;

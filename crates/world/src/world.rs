@@ -3,6 +3,7 @@
 mod check;
 pub(crate) mod query;
 mod read;
+mod snapshot;
 mod spawn;
 mod step;
 mod watch;
@@ -94,6 +95,8 @@ pub struct World {
     /// Mass properties of hulls at 1 kg/m³, by shape; those of others are found quickly.
     masses: BTreeMap<usize, MassProperties>,
     materials: Vec<Material>,
+    /// Hash of settings, shapes and materials; made when a state is saved or loaded.
+    fingerprint: OnceLock<u64>,
     bodies: Bodies,
     /// Slots by id, of bodies that are alive.
     slots: Slots,
@@ -146,6 +149,7 @@ impl World {
             shapes: Vec::new(),
             masses: BTreeMap::new(),
             materials: Vec::new(),
+            fingerprint: OnceLock::new(),
             bodies: Bodies::new(),
             slots: Slots::default(),
             rows: Vec::new(),
@@ -187,6 +191,7 @@ impl World {
             self.masses.insert(self.shapes.len(), mass);
         }
         self.shapes.push(shape);
+        self.fingerprint.take();
         Ok(ShapeId(self.shapes.len() as u32 - 1))
     }
 
@@ -197,6 +202,7 @@ impl World {
     pub fn add_material(&mut self, material: Material) -> Result<MaterialId, Error> {
         material.check()?;
         self.materials.push(material);
+        self.fingerprint.take();
         Ok(MaterialId(self.materials.len() as u32 - 1))
     }
 

@@ -473,6 +473,7 @@ fn parry_meets_the_same() {
                 }
                 // At its own place: parry3d's half-spaces pass through the origin.
                 Shape::HalfSpace { .. } => SharedShape::halfspace(Vec3::Z),
+                other => panic!("there is no {} in the heap", other.name()),
             };
             let down = if matches!(shape, Shape::HalfSpace { .. }) { -0.5 * Vec3::Z } else { Vec3::ZERO };
             let place = Place::from_parts(

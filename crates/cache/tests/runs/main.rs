@@ -2,4 +2,5 @@
 
 mod promises;
 mod python;
+mod resume;
 mod synthetic;

@@ -1,7 +1,7 @@
 //! What a run on disk promises.
 
 use crate::synthetic;
-use rockfall_cache::{Error, FRAMES, Poses, RunFolder, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
+use rockfall_cache::{Error, FRAMES, LOCK, Poses, RunFolder, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
 use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -144,8 +144,10 @@ fn a_former_run_is_replaced_on_request_only_and_other_files_stay() {
     assert!(refused.to_string().ends_with("replace that run with --overwrite"), "{refused}");
     assert_eq!(RunReader::open(folder.path()).unwrap().frames().unwrap(), 5);
     RunFolder::at(folder.path(), true).unwrap();
-    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(left, ["notes.txt"]);
+    let mut left: Vec<_> =
+        fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, [LOCK, "notes.txt"]);
 }
 
 #[test]

@@ -145,7 +145,8 @@ impl Pour {
 
 #[cfg(test)]
 mod tests {
-    use crate::Scene;
+    use crate::{Running, Scene};
+    use rockfall::snapshot::{Error, Reader, Writer};
 
     const POUR: &str = "[shapes.ball]\nkind = \"sphere\"\nradius = 0.2\n[[generators]]\nkind = \"pour\"\n\
         shape = \"ball\"\ncount = 100\nrate = 90\nstart = 0.5\nregion = { min = [-2, -2, 9], max = [2, 2, 11] }\n\
@@ -175,6 +176,33 @@ mod tests {
             running.world.step();
         }
         assert_eq!((running.world.len(), running.waiting()), (105, 0));
+    }
+
+    #[test]
+    fn a_pour_goes_on_where_it_was_saved() {
+        let start = || Scene::parse(POUR, "pour.toml", ".").unwrap().build().unwrap();
+        let step = |running: &mut Running, frame: u64| {
+            running.before_step(frame).unwrap();
+            running.world.step();
+            (running.waiting(), running.world.hash())
+        };
+        let mut running = start();
+        (0..50).for_each(|frame| assert!(step(&mut running, frame).0 > 10));
+        let mut file = Vec::new();
+        let mut writer = Writer::new(&mut file).unwrap();
+        running.save(&mut writer).unwrap();
+        writer.finish().unwrap();
+        let mut again = start();
+        again.load(&mut Reader::new(&mut &file[..]).unwrap()).unwrap();
+        assert!(again.waiting() > 10 && again.waiting() < 90);
+        for frame in 50..120 {
+            assert_eq!(step(&mut again, frame), step(&mut running, frame));
+        }
+        let other =
+            POUR.replace("kind = \"pour\"", "kind = \"fill\"").replace("rate = 90\nstart = 0.5\n", "");
+        let mut other = Scene::parse(&other, "fill.toml", ".").unwrap().build().unwrap();
+        let refused = other.load(&mut Reader::new(&mut &file[..]).unwrap());
+        assert_eq!(refused, Err(Error::OtherWorld("pours")));
     }
 
     #[test]
