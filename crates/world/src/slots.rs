@@ -8,8 +8,8 @@ use std::collections::HashMap;
 /// In the table, an id that nobody has.
 const NONE: u32 = u32::MAX;
 
-/// An id may be so far beyond the end of the table, for every one that is in use, and still go there.
-const GAP: usize = 2;
+/// An id goes to the table if that has then at most so many entries for every id in use, whatever the ids are: 16 bytes.
+const PER_ID: usize = 4;
 
 /// Ids to slots.
 #[derive(Debug, Default)]
@@ -34,9 +34,8 @@ impl Slots {
 
     /// Gives a new id its slot, which is below `u32::MAX`.
     pub(crate) fn insert(&mut self, id: u64, slot: u32) {
-        let most = self.table.len() + GAP * (self.len + 1);
         match usize::try_from(id) {
-            Ok(index) if index < most => {
+            Ok(index) if index < PER_ID * (self.len + 1) || index < self.table.len() => {
                 if index >= self.table.len() {
                     self.table.resize(index + 1, NONE);
                 }
@@ -67,6 +66,21 @@ impl Slots {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Ids that grow faster than their number, none of which is far beyond the one before.
+    #[test]
+    fn the_table_is_no_longer_than_its_ids_are_worth() {
+        let mut slots = Slots::default();
+        for k in 0..2000 {
+            slots.insert(k * k, k as u32);
+            assert!(slots.table.len() <= PER_ID * slots.len());
+        }
+        assert!((0..2000).all(|k| slots.get(k * k) == Some(k as u32)));
+        // As emitters give them, from wherever on.
+        let mut slots = Slots::default();
+        (100..5000).for_each(|id| slots.insert(id, id as u32));
+        assert!(slots.map.len() < 50);
+    }
 
     #[test]
     fn ids_near_and_far_are_found_until_they_are_removed() {
