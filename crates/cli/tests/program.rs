@@ -1,12 +1,13 @@
 //! What the program promises to those who call it: files, exit codes, output.
 
+mod common;
+
+use common::{Place, error, expect, out, wait_for};
 use rockfall_cache::{RunReader, SUMMARY, Status, TRAJECTORY};
 use std::fs;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
-use tempfile::TempDir;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 
 /// Two balls and a crate fall on the ground; a third ball is poured later.
 const SCENE: &str = r#"
@@ -40,58 +41,14 @@ position = [0, 0, 4]
 rotation = [10, 20, 30]
 "#;
 
-/// A folder with a scene in it.
-struct Place {
-    folder: TempDir,
+fn place() -> Place {
+    Place::with("small.toml", SCENE)
 }
 
-impl Place {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("small.toml"), SCENE).unwrap();
-        Place { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
-        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
-        command
-    }
-
-    fn rockfall(&self, arguments: &str) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    /// A run that does not end by itself, with piped streams.
-    fn endless(&self, arguments: &str) -> Child {
-        let mut command = self.command(&format!("run small.toml --frames 1000000000 {arguments}"));
-        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-    }
-}
-
-fn out(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn error(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-#[track_caller]
-fn expect(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), error(output));
-}
-
-fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !done() {
-        assert!(Instant::now() < deadline, "no {what} after a minute");
-        std::thread::sleep(Duration::from_millis(10));
-    }
+/// A run that does not end by itself, with piped streams.
+fn endless(place: &Place, arguments: &str) -> Child {
+    let mut command = place.command(&format!("run small.toml --frames 1000000000 {arguments}"));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 fn signal(child: &Child, name: &str) {
@@ -101,7 +58,7 @@ fn signal(child: &Child, name: &str) {
 
 #[test]
 fn a_run_leaves_its_four_parts_and_says_so() {
-    let place = Place::new();
+    let place = place();
     let run = place.rockfall("run small.toml --out result");
     expect(&run, 0);
     assert!(out(&run).contains("finished after 30 of 30 frames"), "{}", out(&run));
@@ -129,7 +86,7 @@ fn a_run_leaves_its_four_parts_and_says_so() {
 
 #[test]
 fn json_is_the_summary_on_disk() {
-    let place = Place::new();
+    let place = place();
     let run = place.rockfall("run small.toml --out result --json --quiet");
     expect(&run, 0);
     assert_eq!(error(&run), "");
@@ -147,7 +104,7 @@ fn json_is_the_summary_on_disk() {
 
 #[test]
 fn the_hash_does_not_depend_on_how_it_was_computed() {
-    let place = Place::new();
+    let place = place();
     let hash = |arguments: &str| {
         let run = place.rockfall(&format!("run {arguments} --hash --quiet"));
         expect(&run, 0);
@@ -174,7 +131,7 @@ fn the_hash_does_not_depend_on_how_it_was_computed() {
 
 #[test]
 fn another_hash_than_expected_is_exit_code_4() {
-    let place = Place::new();
+    let place = place();
     let run = place.rockfall("run small.toml --no-output --hash --expect-hash 0123456789abcdef");
     expect(&run, 4);
     let hash = out(&run);
@@ -184,7 +141,7 @@ fn another_hash_than_expected_is_exit_code_4() {
 
 #[test]
 fn a_dry_run_counts_and_touches_nothing() {
-    let place = Place::new();
+    let place = place();
     let dry = place.rockfall("run small.toml --dry-run --frames 1000");
     expect(&dry, 0);
     assert!(out(&dry).contains("bodies   4") && out(&dry).contains("frames   1,000"), "{}", out(&dry));
@@ -218,7 +175,7 @@ fn every_scene_that_ships_is_read() {
 
 #[test]
 fn runs_without_a_folder_are_numbered() {
-    let place = Place::new();
+    let place = place();
     for number in 1..=2 {
         let run = place.rockfall("run small.toml --frames 2");
         expect(&run, 0);
@@ -230,7 +187,7 @@ fn runs_without_a_folder_are_numbered() {
 
 #[test]
 fn a_folder_in_use_is_exit_code_1_and_stays_as_it_was() {
-    let place = Place::new();
+    let place = place();
     expect(&place.rockfall("run small.toml --out result"), 0);
     let again = place.rockfall("run small.toml --out result --frames 2");
     expect(&again, 1);
@@ -251,7 +208,7 @@ fn a_folder_in_use_is_exit_code_1_and_stays_as_it_was() {
 
 #[test]
 fn wrong_usage_is_exit_code_2() {
-    let place = Place::new();
+    let place = place();
     for arguments in [
         "",
         "walk small.toml",
@@ -271,7 +228,7 @@ fn wrong_usage_is_exit_code_2() {
 
 #[test]
 fn a_wrong_scene_is_exit_code_3_with_its_place() {
-    let place = Place::new();
+    let place = place();
     fs::write(place.path("wrong.toml"), SCENE.replace("radius", "radus")).unwrap();
     for arguments in ["run wrong.toml", "run wrong.toml --dry-run", "info wrong.toml"] {
         let run = place.rockfall(arguments);
@@ -287,8 +244,8 @@ fn a_wrong_scene_is_exit_code_3_with_its_place() {
 
 #[test]
 fn interruption_leaves_a_readable_run_and_a_line_was_seen_before() {
-    let place = Place::new();
-    let mut child = place.endless("--out result");
+    let place = place();
+    let mut child = endless(&place, "--out result");
     // A plain line of progress comes every three seconds where there is no terminal.
     let lines = BufReader::new(child.stderr.take().unwrap()).lines();
     let progress =
@@ -309,8 +266,8 @@ fn interruption_leaves_a_readable_run_and_a_line_was_seen_before() {
 
 #[test]
 fn a_killed_run_reads_up_to_its_last_complete_frame() {
-    let place = Place::new();
-    let mut child = place.endless("--out result --quiet");
+    let place = place();
+    let mut child = endless(&place, "--out result --quiet");
     let path = place.path("result");
     wait_for("frame", || {
         RunReader::open(&path).and_then(|run| run.frames()).is_ok_and(|frames| frames > 300)
@@ -332,8 +289,8 @@ fn a_killed_run_reads_up_to_its_last_complete_frame() {
 
 #[test]
 fn a_folder_that_goes_away_is_exit_code_1_and_named() {
-    let place = Place::new();
-    let child = place.endless("--out result --quiet");
+    let place = place();
+    let child = endless(&place, "--out result --quiet");
     wait_for("trajectory", || place.path("result").join(TRAJECTORY).join("time").exists());
     fs::rename(place.path("result"), place.path("elsewhere")).unwrap();
     let ended = child.wait_with_output().unwrap();
@@ -345,7 +302,7 @@ fn a_folder_that_goes_away_is_exit_code_1_and_named() {
 
 #[test]
 fn nobody_listening_is_no_failure() {
-    let place = Place::new();
+    let place = place();
     for arguments in ["run small.toml --no-output", "run small.toml --no-output --json", "info small.toml"] {
         let mut child =
             place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
@@ -362,7 +319,7 @@ fn nobody_listening_is_no_failure() {
 #[test]
 #[cfg(not(feature = "bench"))]
 fn the_bench_tells_how_to_get_it() {
-    let place = Place::new();
+    let place = place();
     for arguments in ["bench", "bench --scene pyramid --threads=1,2", "bench --help"] {
         let ended = place.rockfall(arguments);
         expect(&ended, 2);
@@ -373,7 +330,7 @@ fn the_bench_tells_how_to_get_it() {
 #[test]
 #[cfg(feature = "bench")]
 fn the_bench_finds_its_children_behind_the_verb() {
-    let place = Place::new();
+    let place = place();
     let few = "bench --scene pyramid --bodies 10 --steps 4 --timed 2 --turn 2 --repeats 1 --threads 1 --engines rockfall";
     let ended = place.rockfall(&format!("{few} --out result"));
     expect(&ended, 0);

@@ -1,11 +1,13 @@
 //! Nothing is lost: a run that was killed, stopped, or ran out of room goes on, and ends as if nothing had happened.
 
+mod common;
+
+use common::{Place, error, expect, out, wait_for};
 use rockfall_cache::{CHECKPOINTS, Checkpoint, FRAMES, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
-use tempfile::TempDir;
+use std::process::{Child, Command, Stdio};
+use std::time::Instant;
 
 /// Boxes fall into a heap, balls are poured on it.
 const SCENE_TEXT: &str = r#"
@@ -37,70 +39,27 @@ rate = 30
 region = { min = [-1, -1, 6], max = [1, 1, 7] }
 "#;
 
-struct Place {
-    folder: TempDir,
+fn place() -> Place {
+    Place::with("heap.toml", SCENE_TEXT)
 }
 
-impl Place {
-    fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("heap.toml"), SCENE_TEXT).unwrap();
-        Place { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_rockfall"));
-        command.args(arguments.split_whitespace()).current_dir(self.folder.path());
-        command
-    }
-
-    fn rockfall(&self, arguments: &str) -> Output {
-        self.command(arguments).output().unwrap()
-    }
-
-    fn start(&self, arguments: &str) -> Child {
-        self.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
-    }
-
-    /// A whole run, and its hash.
-    fn whole(&self) -> String {
-        let run = self.rockfall("run heap.toml --out whole --hash --quiet --threads 1");
-        expect(&run, 0);
-        out(&run)
-    }
-
-    /// Goes on with `part` to its end, which is that of `whole`.
-    fn ends_as_the_whole(&self, options: &str, hash: &str) {
-        let run = self.rockfall(&format!("run --resume part --hash --quiet {options}"));
-        expect(&run, 0);
-        assert_eq!(out(&run), hash);
-        same(&self.path("whole"), &self.path("part"));
-    }
+fn begin(place: &Place, arguments: &str) -> Child {
+    place.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
-fn out(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
+/// A whole run, and its hash.
+fn whole(place: &Place) -> String {
+    let run = place.rockfall("run heap.toml --out whole --hash --quiet --threads 1");
+    expect(&run, 0);
+    out(&run)
 }
 
-fn error(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
-
-#[track_caller]
-fn expect(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}{}", out(output), error(output));
-}
-
-fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !done() {
-        assert!(Instant::now() < deadline, "no {what} after a minute");
-        std::thread::sleep(Duration::from_millis(2));
-    }
+/// Goes on with `part` to its end, which is that of `whole`.
+fn ends_as_the_whole(place: &Place, options: &str, hash: &str) {
+    let run = place.rockfall(&format!("run --resume part --hash --quiet {options}"));
+    expect(&run, 0);
+    assert_eq!(out(&run), hash);
+    same(&place.path("whole"), &place.path("part"));
 }
 
 /// The rows of `frames.csv` without the times of the stages.
@@ -155,9 +114,9 @@ fn random(i: u64) -> f64 {
 
 /// Kills runs at `kills` moments, some of them several times, and goes on with each.
 fn killed(kills: u64) {
-    let place = Place::new();
+    let place = place();
     let start = Instant::now();
-    let hash = place.whole();
+    let hash = whole(&place);
     let length = start.elapsed();
     let whole = RunReader::open(&place.path("whole")).unwrap();
     let (mut done, mut runs, mut resumed) = (0, 0, 0);
@@ -165,7 +124,7 @@ fn killed(kills: u64) {
         let _ = fs::remove_dir_all(place.path("part"));
         let mut arguments = "run heap.toml --out part --checkpoint-every 7".to_owned();
         for _ in 0..1 + runs % 3 {
-            let mut child = place.start(&arguments);
+            let mut child = begin(&place, &arguments);
             std::thread::sleep(length.mul_f64(random(1000 * kills + done)));
             let _ = child.kill();
             child.wait().unwrap();
@@ -188,7 +147,7 @@ fn killed(kills: u64) {
         }
         if RunReader::open(&place.path("part")).is_ok() {
             let lanes = [1, 4, 8, 16][runs as usize % 4];
-            place.ends_as_the_whole(&format!("--threads {} --lanes {lanes}", 1 + runs % 3), &hash);
+            ends_as_the_whole(&place, &format!("--threads {} --lanes {lanes}", 1 + runs % 3), &hash);
         }
         runs += 1;
     }
@@ -209,9 +168,9 @@ fn a_run_that_is_killed_at_a_hundred_moments_goes_on() {
 
 #[test]
 fn an_interrupted_run_goes_on_from_where_it_was() {
-    let place = Place::new();
-    let hash = place.whole();
-    let child = place.start("run heap.toml --out part --quiet");
+    let place = place();
+    let hash = whole(&place);
+    let child = begin(&place, "run heap.toml --out part --quiet");
     wait_for("frame", || {
         RunReader::open(&place.path("part")).and_then(|run| run.frames()).is_ok_and(|frames| frames > 20)
     });
@@ -230,7 +189,7 @@ fn an_interrupted_run_goes_on_from_where_it_was() {
     assert_eq!(reader.summary().status, Status::Interrupted);
     let checkpoints = Checkpoint::all(&place.path("part")).unwrap();
     assert_eq!(checkpoints[0].frame, reader.summary().frames);
-    place.ends_as_the_whole("--lanes 4", &hash);
+    ends_as_the_whole(&place, "--lanes 4", &hash);
     // Going on with what is finished is no failure, and changes nothing.
     let again = place.rockfall(&format!("run --resume part --hash --expect-hash {hash}"));
     expect(&again, 0);
@@ -241,9 +200,9 @@ fn an_interrupted_run_goes_on_from_where_it_was() {
 
 /// A run that was killed when it had two checkpoints.
 fn with_two_checkpoints() -> (Place, String) {
-    let place = Place::new();
-    let hash = place.whole();
-    let mut child = place.start("run heap.toml --out part --checkpoint-every 20 --quiet");
+    let place = place();
+    let hash = whole(&place);
+    let mut child = begin(&place, "run heap.toml --out part --checkpoint-every 20 --quiet");
     wait_for("checkpoint", || Checkpoint::all(&place.path("part")).is_ok_and(|all| all.len() == 2));
     let _ = child.kill();
     child.wait().unwrap();
@@ -316,22 +275,22 @@ fn a_checkpoint_of_another_scene_or_version_is_refused() {
 
 #[test]
 fn a_run_without_a_checkpoint_starts_again() {
-    let place = Place::new();
-    let hash = place.whole();
-    let mut child = place.start("run heap.toml --out part --checkpoint-every never --quiet");
+    let place = place();
+    let hash = whole(&place);
+    let mut child = begin(&place, "run heap.toml --out part --checkpoint-every never --quiet");
     wait_for("frame", || {
         RunReader::open(&place.path("part")).and_then(|run| run.frames()).is_ok_and(|frames| frames > 20)
     });
     let _ = child.kill();
     child.wait().unwrap();
-    place.ends_as_the_whole("", &hash);
+    ends_as_the_whole(&place, "", &hash);
 }
 
 /// Runs in a file system of 3 MB that is filled to the brim.
 #[test]
 fn a_full_disk_stops_the_run_and_it_goes_on_when_there_is_room() {
-    let place = Place::new();
-    let hash = place.whole();
+    let place = place();
+    let hash = whole(&place);
     let disk = place.path("disk");
     fs::create_dir(&disk).unwrap();
     let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=3m", "tmpfs"]).arg(&disk).output();
