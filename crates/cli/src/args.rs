@@ -150,12 +150,15 @@ pub(crate) struct ExportArgs {
     /// Every so many frames of these.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: u64,
-    /// csv: bodies by their ids, such as 1,5,10..20 [default: all].
+    /// csv, parquet, glb: bodies by their ids, such as 1,5,10..20 [default: all].
     #[arg(long, value_name = "IDS")]
     pub(crate) bodies: Option<Ids>,
     /// vtp: the triangles of all bodies, instead of a point for each.
     #[arg(long)]
     pub(crate) meshes: bool,
+    /// parquet: a folder with a file for each frame, instead of one file.
+    #[arg(long)]
+    pub(crate) per_frame: bool,
     /// Replace a former export.
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -172,8 +175,12 @@ pub(crate) struct ExportArgs {
 pub(crate) enum FormatName {
     /// ParaView: a folder with one file per frame.
     Vtp,
-    /// One row per body and frame.
+    /// One row per body and frame, as text.
     Csv,
+    /// One row per body and frame, column by column.
+    Parquet,
+    /// glTF: a still of one frame, or an animation.
+    Glb,
 }
 
 /// How often the state is saved.

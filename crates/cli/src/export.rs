@@ -5,7 +5,7 @@ use crate::exit::Failure;
 use crate::progress::Progress;
 use crate::stop::Stop;
 use crate::{say, units};
-use rockfall_export::{Csv, Done, Format, Frames, Options, Run, Vtp, Watch};
+use rockfall_export::{Csv, Done, Format, Frames, Glb, Options, Parquet, Run, Vtp, Watch};
 use std::sync::{Mutex, PoisonError};
 
 /// Writes the frames that the options want in the format that they want.
@@ -44,8 +44,14 @@ fn format(args: &ExportArgs) -> Result<Box<dyn Format>, Failure> {
     let (format, known): (Box<dyn Format>, &[&str]) = match args.to {
         FormatName::Vtp => (Box::new(Vtp { meshes: args.meshes }), &["--meshes"]),
         FormatName::Csv => (Box::new(Csv { bodies }), &["--bodies"]),
+        FormatName::Parquet => {
+            let per_frame = args.per_frame;
+            (Box::new(Parquet { bodies, per_frame }), &["--bodies", "--per-frame"])
+        }
+        FormatName::Glb => (Box::new(Glb { bodies }), &["--bodies"]),
     };
-    let given = [("--meshes", args.meshes), ("--bodies", args.bodies.is_some())];
+    let given =
+        [("--meshes", args.meshes), ("--per-frame", args.per_frame), ("--bodies", args.bodies.is_some())];
     match given.iter().find(|(option, given)| *given && !known.contains(option)) {
         Some((option, _)) => Err(Failure::Usage(format!("--to {} does not know {option}", format.name()))),
         None => Ok(format),

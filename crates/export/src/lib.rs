@@ -7,6 +7,8 @@
 //! |---|---|
 //! | [`Vtp`] | ParaView: one file per frame, and a list of all |
 //! | [`Csv`] | one row per body and frame |
+//! | [`Parquet`] | the same in columns |
+//! | [`Glb`] | glTF: a still with instances, or an animation |
 //!
 //! What formats have in common: [`Run`] knows the bodies, frames and times; [`Inventory`] what bodies look like; [`prototypes`] turns shapes into
 //! triangles; a [`Moment`] is where the bodies are at a frame and how they move; `target` puts the result in place, whole or not at all.
@@ -15,13 +17,16 @@
 #![forbid(unsafe_code)]
 
 mod color;
+mod columns;
 mod csv;
 mod error;
 mod export;
 mod format;
+mod glb;
 mod inventory;
 mod job;
 mod moment;
+mod parquet;
 pub mod prototypes;
 mod run;
 mod select;
@@ -30,10 +35,12 @@ mod target;
 mod vtp;
 
 pub use crate::csv::Csv;
+pub use crate::parquet::Parquet;
 pub use color::color;
 pub use error::Error;
 pub use export::{Done, Options, export};
 pub use format::{Format, Makes};
+pub use glb::{Glb, MOST_ANIMATED};
 pub use inventory::Inventory;
 pub use job::{Job, Motion, Watch};
 pub use moment::Moment;

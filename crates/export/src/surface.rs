@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 
 /// How far triangles may be inside a round surface, as a share of its radius of curvature, the largest half axis of an ellipsoid. What is flat is exact.
-pub const CHORDAL_ERROR: f32 = 0.02;
+pub const CHORDAL_ERROR: f32 = 0.035;
 
-/// Triangles around a full turn. A cell that spans the angle θ = 2π / 24 both ways lies up to θ²/4, or 1.7 %, of the radius below the surface.
+/// Triangles around a full turn: steps of 15 degrees. A cell of that width both ways lies up to 1.7 % of the radius below the surface; on a rounded corner a splinter may be
+/// two steps long, and then lies up to 1 - cos 15°, or 3.4 %, below.
 const SEGMENTS: i32 = 4 * QUARTER;
 
 /// Of those, from the equator to a pole.

@@ -1,7 +1,7 @@
 //! What holds for every format.
 
 use crate::sample::{Counter, FRAMES, Sample};
-use rockfall_export::{Csv, Error, Format, Frames, Options, Vtp, export};
+use rockfall_export::{Csv, Error, Format, Frames, Glb, Options, Parquet, Vtp, export};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -68,7 +68,13 @@ fn what_is_stopped_or_fails_leaves_nothing() {
 #[test]
 fn outputs_lie_beside_the_run_and_are_replaced_only_on_demand() {
     let sample = Sample::new(0.0, 3);
-    for (format, name) in [(&Vtp::default() as &dyn Format, "run-vtp"), (&Csv::default(), "run.csv")] {
+    for (format, name) in [
+        (&Vtp::default() as &dyn Format, "run-vtp"),
+        (&Csv::default(), "run.csv"),
+        (&Parquet::default(), "run.parquet"),
+        (&Parquet { per_frame: true, bodies: None }, "run-parquet"),
+        (&Glb::default(), "run.glb"),
+    ] {
         let options = |overwrite| Options { overwrite, ..Options::default() };
         let export = |overwrite| export(&sample.run(), format, &options(overwrite), &Counter::default());
         assert_eq!(export(false).unwrap().path, sample.path(name));
