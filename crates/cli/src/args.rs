@@ -2,6 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rockfall::Solver;
+use rockfall_export::{Frames, Ids};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -29,6 +30,8 @@ pub(crate) enum Verb {
     Verify(VerifyArgs),
     /// Say where two runs differ first, and by how much.
     Diff(DiffArgs),
+    /// Write a run as files that other programs open.
+    Export(ExportArgs),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -128,6 +131,49 @@ pub(crate) struct DiffArgs {
     pub(crate) first: PathBuf,
     /// Folder of the run to compare it with.
     pub(crate) second: PathBuf,
+}
+
+/// `rockfall export`.
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// Folder of a run; of one that is not finished, the frames that are there are exported.
+    pub(crate) run: PathBuf,
+    /// Format.
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) to: FormatName,
+    /// The file or folder to make [default: RUN.FORMAT or RUN-FORMAT beside the run].
+    #[arg(long, short, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+    /// Frames, both ends included: 7, 3..7, 3.. or ..7 [default: all].
+    #[arg(long, value_name = "A..B")]
+    pub(crate) frames: Option<Frames>,
+    /// Every so many frames of these.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: u64,
+    /// csv: bodies by their ids, such as 1,5,10..20 [default: all].
+    #[arg(long, value_name = "IDS")]
+    pub(crate) bodies: Option<Ids>,
+    /// vtp: the triangles of all bodies, instead of a point for each.
+    #[arg(long)]
+    pub(crate) meshes: bool,
+    /// Replace a former export.
+    #[arg(long)]
+    pub(crate) overwrite: bool,
+    /// Threads [default: as many as the machine has]. Never changes the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+    /// Print errors only.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// The formats of exports by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FormatName {
+    /// ParaView: a folder with one file per frame.
+    Vtp,
+    /// One row per body and frame.
+    Csv,
 }
 
 /// How often the state is saved.

@@ -13,5 +13,5 @@ pub(crate) fn bench(options: &rockfall_bench::Options) -> Result<(), Failure> {
 pub(crate) fn bench(_: &crate::args::NoBenchArgs) -> Result<(), Failure> {
     let text = "this build has no bench. Build it with `cargo build --release -p rockfall-cli --features bench`, or with \
                 `--features peers` to have other engines to compare with; docs/performance.md has the rest";
-    Err(Failure::NotBuilt(text))
+    Err(Failure::Usage(text.to_owned()))
 }

@@ -10,9 +10,8 @@ use std::process::ExitCode;
 pub(crate) enum Failure {
     /// Something outside the scene: disk, threads.
     Run(String),
-    /// What was asked for is not in this build.
-    #[cfg_attr(feature = "bench", expect(dead_code, reason = "a build with the bench has everything"))]
-    NotBuilt(&'static str),
+    /// What was asked for makes no sense, or is not in this build.
+    Usage(String),
     /// The scene is wrong; the text is complete, with its place and what was expected.
     Scene(String),
     /// The last state has another hash.
@@ -32,8 +31,7 @@ impl Failure {
     /// Says what went wrong, on standard error, and gives the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         match self {
-            Failure::Run(text) => say::error(&format!("Error: {text}")),
-            Failure::NotBuilt(text) => say::error(&format!("Error: {text}")),
+            Failure::Run(text) | Failure::Usage(text) => say::error(&format!("Error: {text}")),
             Failure::Scene(text) => say::error(text.trim_end()),
             Failure::Hash { expected, found } => {
                 say::error(&format!("Error: the hash is {found:016x}, expected {expected:016x}"));
@@ -46,7 +44,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Run(_) => 1,
-            Failure::NotBuilt(_) => 2,
+            Failure::Usage(_) => 2,
             Failure::Scene(_) => 3,
             Failure::Hash { .. } | Failure::Different => 4,
             Failure::Interrupted => INTERRUPTED,
@@ -66,5 +64,17 @@ impl From<SceneError> for Failure {
 impl From<rockfall_cache::Error> for Failure {
     fn from(error: rockfall_cache::Error) -> Self {
         Failure::Run(error.to_string())
+    }
+}
+
+impl From<rockfall_export::Error> for Failure {
+    fn from(error: rockfall_export::Error) -> Self {
+        use rockfall_export::Error;
+        match error {
+            Error::Scene(error) => error.into(),
+            Error::Stopped => Failure::Interrupted,
+            Error::NoFrame { .. } | Error::NoBody(_) | Error::Limit(_) => Failure::Usage(error.to_string()),
+            other => Failure::Run(other.to_string()),
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`], [`verify`], [`diff`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
 mod bench;
 mod diff;
 mod exit;
+mod export;
 mod info;
 mod open;
 mod output;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Verb::Info(args) => info::info(&args),
         Verb::Verify(args) => verify::verify(&args),
         Verb::Diff(args) => diff::diff(&args),
+        Verb::Export(args) => export::export(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

@@ -1,4 +1,4 @@
-//! What a person sees while a run goes on: a bar on a terminal, plain lines now and then elsewhere.
+//! What a person sees while a run or an export goes on: a bar on a terminal, plain lines now and then elsewhere.
 
 use crate::{say, units};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -12,12 +12,12 @@ const LINES: Duration = Duration::from_secs(3);
 /// Share of the newest step in the mean that is shown; the last twenty or so matter.
 const NEWEST: f64 = 0.1;
 
-/// Shows how far a run is.
+/// Shows how far it is.
 #[derive(Debug)]
 pub(crate) struct Progress {
     look: Look,
     frames: u64,
-    /// Steps that were done before.
+    /// Frames that were done before.
     before: u64,
     done: u64,
     start: Instant,
@@ -55,7 +55,19 @@ impl Progress {
         self.done += 1;
         let time = time.as_secs_f64();
         self.step = if self.done == self.before + 1 { time } else { self.step + NEWEST * (time - self.step) };
-        let figures = || figures(report, self.step);
+        let step = self.step;
+        self.show(|| figures(report, step));
+    }
+
+    /// So many more frames are done, of work that has no steps.
+    pub(crate) fn frames(&mut self, frames: u64) {
+        self.done += frames;
+        let rate = (self.done - self.before) as f64 / self.start.elapsed().as_secs_f64();
+        self.show(|| format!("{rate:.1} frames/s"));
+    }
+
+    /// Shows how far it is, with figures that are made only where somebody sees them.
+    fn show(&mut self, figures: impl FnOnce() -> String) {
         match &mut self.look {
             Look::Bar(bar) => {
                 bar.set_position(self.done);

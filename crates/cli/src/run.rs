@@ -34,7 +34,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let tally = Tally::new(start.elapsed());
 
     // Until here Ctrl-C ends the program in the ordinary way: there is nothing to save.
-    let stop = Stop::listen()?;
+    let stop = Stop::listen("this step")?;
     let output =
         if args.no_output { None } else { Some(Output::start(args, path, &scene, &running, &summary)?) };
     Job { running, tally, output, summary, done: 0, frames: scene.frames }.finish(args, &stop)
@@ -55,7 +55,7 @@ fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
     let summary = Summary { scene: former.scene, ..summary::head(&scene_path, &scene) };
     note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
     let mut running = scene.build()?;
-    let stop = Stop::listen()?;
+    let stop = Stop::listen("this step")?;
     let checkpoints = Checkpoint::all(path)?;
     for checkpoint in &checkpoints {
         let frame = checkpoint.frame;

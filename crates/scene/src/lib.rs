@@ -42,5 +42,5 @@ pub use manual::keys as manual;
 pub use memory::Estimate;
 pub use plan::BodyRow;
 pub use running::Running;
-pub use scene::Scene;
+pub use scene::{Inventory, Scene};
 pub use schema::schema;

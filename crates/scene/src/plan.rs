@@ -7,7 +7,7 @@ use crate::node::{Table, Value};
 use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
 use crate::sizes::Sizes;
-use rockfall::{Material, Shape};
+use rockfall::{Kind, Material, Shape};
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,6 +23,10 @@ pub struct BodyRow {
     pub shape: usize,
     /// The factor by which a generator scaled the shape that the scene describes; already applied to `shape`.
     pub scale: f32,
+    /// Who moves it.
+    pub kind: Kind,
+    /// Index of its material among those of the scene.
+    pub material: usize,
 }
 
 /// Everything that is needed to set up a world, and to pour more into it.
@@ -36,6 +40,15 @@ pub(crate) struct Plan {
     pub(crate) pours: Vec<Pour>,
     /// All bodies, also those that are poured later.
     pub(crate) rows: Vec<BodyRow>,
+}
+
+impl Plan {
+    /// The row of a body that has no id yet.
+    fn row(&self, template: u32, shape: u32, scale: f32) -> BodyRow {
+        let template = &self.templates[template as usize];
+        let (kind, material) = (template.kind, template.material as usize);
+        BodyRow { id: 0, name: None, shape: shape as usize, scale, kind, material }
+    }
 }
 
 /// Which shapes and sizes a generator draws from.
@@ -218,8 +231,9 @@ impl Yard<'_> {
 
     /// Adds a body that is there from the start.
     pub(crate) fn add(&mut self, template: u32, shape: u32, scale: f32, pose: Pose) {
+        let row = self.plan.row(template, shape, scale);
         self.plan.placed.push((template, pose));
-        self.plan.rows.push(BodyRow { id: 0, name: None, shape: shape as usize, scale });
+        self.plan.rows.push(row);
     }
 
     /// Adds bodies that come later: the shape and scale of each.
@@ -232,8 +246,9 @@ impl Yard<'_> {
         let Yard { mut plan, pours, .. } = self;
         for (mut pour, drawn) in pours {
             let first = plan.rows.len();
-            let row = |(shape, scale)| BodyRow { id: 0, name: None, shape: shape as usize, scale };
-            plan.rows.extend(drawn.into_iter().map(row));
+            let rows: Vec<BodyRow> =
+                drawn.into_iter().map(|(shape, scale)| plan.row(pour.template, shape, scale)).collect();
+            plan.rows.extend(rows);
             pour.rows = first..plan.rows.len();
             plan.pours.push(pour);
         }

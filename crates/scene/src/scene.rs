@@ -8,7 +8,7 @@ use crate::plan::{BodyRow, Plan, plan};
 use crate::running::Running;
 use crate::source::{Source, Sources};
 use crate::{root, write};
-use rockfall::{Settings, Solver};
+use rockfall::{Settings, Shape, Solver};
 use std::path::Path;
 
 /// A scene that has been read and checked.
@@ -39,6 +39,17 @@ pub struct Scene {
     pub seed: u64,
     root: Table,
     sources: Sources,
+}
+
+/// What the bodies of a scene look like.
+#[derive(Clone, Debug)]
+pub struct Inventory {
+    /// All shapes, at the size of their bodies.
+    pub shapes: Vec<Shape>,
+    /// Names of all materials.
+    pub materials: Vec<String>,
+    /// All bodies, also those that are poured later; ids ascend unless the scene chose some.
+    pub bodies: Vec<BodyRow>,
 }
 
 /// Two scenes are equal when they describe the same thing, however it was written.
@@ -121,13 +132,24 @@ impl Scene {
         write::scene(&self.root)
     }
 
-    /// Id, name, shape and scale of every body, those included that will be poured. [`Running::body_table`] has the
+    /// Id, name, shape, scale, kind and material of every body, those included that will be poured. [`Running::body_table`] has the
     /// same for a scene that is being built anyway.
     ///
     /// # Errors
     /// As for [`Scene::build`].
     pub fn body_table(&self) -> Result<Vec<BodyRow>, SceneError> {
         Ok(self.plan()?.rows)
+    }
+
+    /// What bodies look like: all shapes cooked, and who has which. For programs that show a run and don't simulate it; the memory that a
+    /// world would need is not asked for.
+    ///
+    /// # Errors
+    /// Geometry that can't be cooked, a fill that does not fit.
+    pub fn inventory(&self) -> Result<Inventory, SceneError> {
+        let plan = self.plan_within(None)?;
+        let materials = self.root.named("materials").map(|(name, _)| name.to_owned()).collect();
+        Ok(Inventory { shapes: plan.shapes, materials, bodies: plan.rows })
     }
 
     /// Cooks the shapes, places the bodies and sets up the world.

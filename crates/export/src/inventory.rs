@@ -1,0 +1,66 @@
+//! What the bodies of a run look like.
+
+use crate::Error;
+use rockfall::{Kind, Shape};
+use rockfall_cache::{BodyTable, SCENE};
+use rockfall_scene::{BodyRow, Scene};
+use std::path::Path;
+
+/// Shapes and materials of a scene, and which of them each body of a run has. Columns have a row for each body of the run's table.
+#[derive(Clone, Debug)]
+pub struct Inventory {
+    /// All shapes, at the size of their bodies.
+    pub shapes: Vec<Shape>,
+    /// Names of all materials.
+    pub materials: Vec<String>,
+    /// Who moves each body.
+    pub kinds: Vec<Kind>,
+    /// The shape of each body, an index into `shapes`.
+    pub shape_of: Vec<u32>,
+    /// The material of each body, an index into `materials`.
+    pub material_of: Vec<u32>,
+}
+
+impl Inventory {
+    /// Lays out the scene in the folder of a run with these bodies.
+    pub(crate) fn of(run: &Path, table: &BodyTable) -> Result<Self, Error> {
+        let path = run.join(SCENE);
+        let rockfall_scene::Inventory { shapes, materials, mut bodies } = Scene::load(&path)?.inventory()?;
+        bodies.sort_by_key(|body| body.id);
+        let other = |expected, found| Err(Error::OtherScene { path: path.clone(), expected, found });
+        if bodies.len() != table.len() {
+            return other(format!("{} bodies", table.len()), bodies.len().to_string());
+        }
+        let of_run = |row: usize| (table.ids[row], table.shapes[row] as usize, table.scales[row].to_bits());
+        let of_scene = |body: &BodyRow| (body.id, body.shape, body.scale.to_bits());
+        if let Some(row) = (0..bodies.len()).find(|&row| of_run(row) != of_scene(&bodies[row])) {
+            let say = |id, shape, scale| format!("body {id} with shape {shape} at scale {scale}");
+            let body = &bodies[row];
+            return other(
+                say(table.ids[row], table.shapes[row] as usize, table.scales[row]),
+                say(body.id, body.shape, body.scale),
+            );
+        }
+        Ok(Inventory {
+            shapes,
+            materials,
+            kinds: bodies.iter().map(|body| body.kind).collect(),
+            shape_of: bodies.iter().map(|body| body.shape as u32).collect(),
+            material_of: bodies.iter().map(|body| body.material as u32).collect(),
+        })
+    }
+
+    /// Rows of the bodies that nobody moves.
+    pub fn fixed(&self) -> Vec<u32> {
+        self.rows(|kind| kind == Kind::Static)
+    }
+
+    /// Rows of all other bodies.
+    pub fn moving(&self) -> Vec<u32> {
+        self.rows(|kind| kind != Kind::Static)
+    }
+
+    fn rows(&self, wanted: impl Fn(Kind) -> bool) -> Vec<u32> {
+        (0_u32..).zip(&self.kinds).filter(|(_, kind)| wanted(**kind)).map(|(row, _)| row).collect()
+    }
+}

@@ -1,0 +1,83 @@
+//! The run that is exported.
+
+use crate::{Error, Inventory};
+use rockfall_cache::{BodyTable, Poses, RunReader, Summary};
+use rockfall_math::DVec3;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// A run on disk, finished or not: what is there when it is opened is what can be exported.
+#[derive(Debug)]
+pub struct Run {
+    path: PathBuf,
+    reader: RunReader,
+    bodies: BodyTable,
+    times: Vec<f64>,
+    origin: DVec3,
+    inventory: OnceLock<Inventory>,
+}
+
+impl Run {
+    /// Opens the run in the folder `path`.
+    ///
+    /// # Errors
+    /// Those of [`RunReader`]; [`Error::NoFrames`].
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let reader = RunReader::open(path)?;
+        let (bodies, times, origin) = (reader.bodies()?, reader.times()?, reader.origin()?);
+        if times.is_empty() {
+            return Err(Error::NoFrames(path.to_owned()));
+        }
+        Ok(Run { path: path.to_owned(), reader, bodies, times, origin, inventory: OnceLock::new() })
+    }
+
+    /// Its folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What it says of itself.
+    pub fn summary(&self) -> &Summary {
+        self.reader.summary()
+    }
+
+    /// The bodies; everything else that has rows has them in this order, which is that of ids.
+    pub fn bodies(&self) -> &BodyTable {
+        &self.bodies
+    }
+
+    /// Simulated time of each frame, seconds; there is at least one.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Number of frames, the start included.
+    pub fn frames(&self) -> u64 {
+        self.times.len() as u64
+    }
+
+    /// Where positions start from, metres.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// The poses at a frame, as they are stored.
+    ///
+    /// # Errors
+    /// Those of [`RunReader::poses`].
+    pub fn poses(&self, frame: u64) -> Result<Poses, Error> {
+        Ok(self.reader.poses(frame)?)
+    }
+
+    /// What the bodies look like. Made when it is first asked for, since the scene has to be laid out for it.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where the scene, or a mesh that it names, can't be read; [`Error::OtherScene`].
+    pub fn inventory(&self) -> Result<&Inventory, Error> {
+        if let Some(inventory) = self.inventory.get() {
+            return Ok(inventory);
+        }
+        let inventory = Inventory::of(&self.path, &self.bodies)?;
+        Ok(self.inventory.get_or_init(|| inventory))
+    }
+}

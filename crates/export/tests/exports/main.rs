@@ -1,0 +1,7 @@
+//! Exports of a run, compared with the run by the programs that they are for.
+
+mod csv;
+mod promises;
+mod python;
+mod sample;
+mod vtp;
