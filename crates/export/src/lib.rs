@@ -6,6 +6,7 @@
 //! | format | file |
 //! |---|---|
 //! | [`Vtp`] | ParaView: one file per frame, and a list of all |
+//! | [`Usd`] | OpenUSD: one file, or value clips |
 //! | [`Csv`] | one row per body and frame |
 //!
 //! What formats have in common: [`Run`] knows the bodies, frames and times; [`Inventory`] what bodies look like; [`prototypes`] turns shapes into
@@ -27,6 +28,7 @@ mod run;
 mod select;
 mod surface;
 mod target;
+mod usd;
 mod vtp;
 
 pub use crate::csv::Csv;
@@ -40,4 +42,5 @@ pub use moment::Moment;
 pub use run::Run;
 pub use select::{Frames, Ids};
 pub use surface::{CHORDAL_ERROR, Surface};
+pub use usd::Usd;
 pub use vtp::Vtp;

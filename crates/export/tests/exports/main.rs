@@ -4,4 +4,5 @@ mod csv;
 mod promises;
 mod python;
 mod sample;
+mod usd;
 mod vtp;
