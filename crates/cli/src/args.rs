@@ -159,6 +159,15 @@ pub(crate) struct ExportArgs {
     /// parquet: a folder with a file for each frame, instead of one file.
     #[arg(long)]
     pub(crate) per_frame: bool,
+    /// usd: velocities and angular velocities, 24 bytes more for a body and frame.
+    #[arg(long)]
+    pub(crate) velocities: bool,
+    /// usd: orientations of single precision beside those of half, 16 bytes more for a body and frame.
+    #[arg(long)]
+    pub(crate) precise: bool,
+    /// usd: a folder with files of N frames each, or one file with 0 [default: one file up to 1 GiB, else files of about 256 MiB].
+    #[arg(long, value_name = "N")]
+    pub(crate) clips: Option<u64>,
     /// Replace a former export.
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -173,6 +182,8 @@ pub(crate) struct ExportArgs {
 /// The formats of exports by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FormatName {
+    /// Blender, Houdini, Omniverse: OpenUSD, one file or a folder with value clips.
+    Usd,
     /// ParaView: a folder with one file per frame.
     Vtp,
     /// One row per body and frame, as text.

@@ -6,6 +6,7 @@
 //! | format | file |
 //! |---|---|
 //! | [`Vtp`] | ParaView: one file per frame, and a list of all |
+//! | [`Usd`] | OpenUSD: one file, or value clips |
 //! | [`Csv`] | one row per body and frame |
 //! | [`Parquet`] | the same in columns |
 //! | [`Glb`] | glTF: a still with instances, or an animation |
@@ -32,6 +33,7 @@ mod run;
 mod select;
 mod surface;
 mod target;
+mod usd;
 mod vtp;
 
 pub use crate::csv::Csv;
@@ -47,4 +49,5 @@ pub use moment::Moment;
 pub use run::Run;
 pub use select::{Frames, Ids};
 pub use surface::{CHORDAL_ERROR, Surface};
+pub use usd::Usd;
 pub use vtp::Vtp;

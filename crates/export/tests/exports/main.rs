@@ -6,4 +6,5 @@ mod parquet;
 mod promises;
 mod python;
 mod sample;
+mod usd;
 mod vtp;

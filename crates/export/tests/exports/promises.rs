@@ -1,13 +1,22 @@
 //! What holds for every format.
 
 use crate::sample::{Counter, FRAMES, Sample};
-use rockfall_export::{Csv, Error, Format, Frames, Glb, Options, Parquet, Vtp, export};
+use rockfall_export::{Csv, Error, Format, Frames, Glb, Options, Parquet, Usd, Vtp, export};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 fn formats() -> Vec<Box<dyn Format>> {
-    vec![Box::new(Vtp { meshes: false }), Box::new(Vtp { meshes: true }), Box::new(Csv::default())]
+    let (clips, more) =
+        (Usd { clip: Some(4), ..Usd::default() }, Usd { velocities: true, precise: true, clip: None });
+    vec![
+        Box::new(Vtp { meshes: false }),
+        Box::new(Vtp { meshes: true }),
+        Box::new(Csv::default()),
+        Box::new(Usd::default()),
+        Box::new(more),
+        Box::new(clips),
+    ]
 }
 
 /// The bytes of an output by the names of its files.
@@ -74,6 +83,7 @@ fn outputs_lie_beside_the_run_and_are_replaced_only_on_demand() {
         (&Parquet::default(), "run.parquet"),
         (&Parquet { per_frame: true, bodies: None }, "run-parquet"),
         (&Glb::default(), "run.glb"),
+        (&Usd::default(), "run.usdc"),
     ] {
         let options = |overwrite| Options { overwrite, ..Options::default() };
         let export = |overwrite| export(&sample.run(), format, &options(overwrite), &Counter::default());

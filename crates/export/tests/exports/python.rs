@@ -7,11 +7,23 @@ use std::process::Command;
 /// The variable that names a Python with the packages of `requirements.txt`; the `test` script sets it.
 const PYTHON: &str = "ROCKFALL_PYTHON";
 
+/// The variable that names a Python with Blender and the packages of `requirements-blender.txt`; the `test` script sets it where there is Python 3.11.
+const BLENDER: &str = "ROCKFALL_BLENDER";
+
 /// Runs a script of this folder's parent; says what it printed. `None` where there is no Python to run it.
 pub(crate) fn python<A: AsRef<OsStr>>(script: &str, arguments: &[A]) -> Option<String> {
-    let Some(python) = std::env::var_os(PYTHON) else {
+    run(PYTHON, script, arguments)
+}
+
+/// The same with the Python that has Blender.
+pub(crate) fn blender<A: AsRef<OsStr>>(script: &str, arguments: &[A]) -> Option<String> {
+    run(BLENDER, script, arguments)
+}
+
+fn run<A: AsRef<OsStr>>(variable: &str, script: &str, arguments: &[A]) -> Option<String> {
+    let Some(python) = std::env::var_os(variable) else {
         println!(
-            "SKIPPED: {PYTHON} is not set; `./test` makes a Python with what {script} needs and sets it"
+            "SKIPPED: {variable} is not set; `./test` makes a Python with what {script} needs and sets it"
         );
         return None;
     };
