@@ -13,6 +13,7 @@
 mod box_box;
 mod clip;
 mod closest;
+mod compound;
 mod convex;
 mod core_poly;
 mod direction;
@@ -52,7 +53,7 @@ use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair, any number for a convex shape and a surface, none for two surfaces.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface or where a compound takes part, none for two surfaces.
 /// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
@@ -88,6 +89,7 @@ pub fn collide(
         return 0.0;
     }
     match (a, b) {
+        (Shape::Compound(_), _) | (_, Shape::Compound(_)) => compound::collide(a, b, b_in_a, margin, out),
         (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
         (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {
@@ -105,6 +107,8 @@ pub fn collide(
 /// Signed distance of two convex shapes or of a convex shape and a half-space, exact to rounding: where they
 /// overlap, minus the length of the shortest translation that parts them. `b_in_a` places B in A's frame.
 ///
+/// Of compounds it is the distance of the two parts that are nearest or overlap most: the way that parts them all may be longer.
+///
 /// Nothing for two half-spaces, for meshes and height fields, and for a place that is not finite.
 ///
 /// # Examples
@@ -119,7 +123,11 @@ pub fn collide(
 /// assert_eq!((d.distance, d.normal, d.on_a), (2.0, Vec3::X, Vec3::X));
 /// ```
 pub fn distance(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> {
-    if is_finite(b_in_a) { convex::closest(a, b, b_in_a).map(Distance::from) } else { None }
+    match (a, b) {
+        _ if !is_finite(b_in_a) => None,
+        (Shape::Compound(_), _) | (_, Shape::Compound(_)) => compound::distance(a, b, b_in_a),
+        _ => convex::closest(a, b, b_in_a).map(Distance::from),
+    }
 }
 
 fn is_finite(pose: &Isometry) -> bool {

@@ -2,17 +2,20 @@
 
 use crate::surface::Surface;
 use crate::time_of_impact::{Core, Course, Other, Set};
-use crate::{Cache, Distance, Manifold, Motion, Sweep, Toi, collide, distance};
+use crate::{Cache, Distance, Manifold, Motion, Sweep, Toi, collide, compound, distance};
 use rockfall_math::{Aabb, Isometry, Vec3};
 use rockfall_shape::Shape;
 
-/// Whether the bounded convex shape `a` and `b`, which may be of any kind, share a point. `b_in_a` places B in A's frame. A mesh is its triangles, from
+/// Whether the bounded convex shape `a`, or a compound of such, and `b`, which may be of any kind, share a point. `b_in_a` places B in A's frame. A mesh is its triangles, from
 /// either side; a height field is solid all the way down.
 ///
-/// False where A is not bounded and convex, or a number is not finite.
+/// False where A is neither, or a number is not finite.
 pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
     if !crate::is_finite(b_in_a) || matches!(a, Shape::HalfSpace { .. }) {
         return false;
+    }
+    if is_compound(a) || is_compound(b) {
+        return compound::overlaps(a, b, b_in_a);
     }
     let sweep = still(&b_in_a.inverse());
     match b {
@@ -23,10 +26,12 @@ pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
     }
 }
 
-/// How the bounded convex shape `a` and `b` overlap, in A's frame: the shortest translation of B out of A is `-distance` along `normal`. Out of meshes
+/// How the bounded convex shape `a`, or a compound of such, and `b` overlap, in A's frame: the shortest translation of B out of A is `-distance` along `normal`. Out of meshes
 /// and height fields it is the deepest of the contacts that [`collide`] finds: A is pushed to the front of triangles.
 ///
-/// Nothing where they do not overlap, or A is not bounded and convex, or a number is not finite.
+/// Of compounds it is that of the two parts that overlap most.
+///
+/// Nothing where they do not overlap, or A is not as said, or a number is not finite.
 ///
 /// # Examples
 /// ```
@@ -40,6 +45,9 @@ pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
 /// assert_eq!((deep.distance, deep.normal), (-0.25, -Vec3::Z));
 /// ```
 pub fn penetration(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> {
+    if is_compound(a) || is_compound(b) {
+        return if crate::is_finite(b_in_a) { compound::penetration(a, b, b_in_a) } else { None };
+    }
     if !overlaps(a, b, b_in_a) {
         return None;
     }
@@ -49,6 +57,10 @@ pub fn penetration(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> 
         }
         _ => distance(a, b, b_in_a),
     }
+}
+
+fn is_compound(shape: &Shape) -> bool {
+    matches!(shape, Shape::Compound(_))
 }
 
 /// The touch of shapes that overlap from the start, seen from B.

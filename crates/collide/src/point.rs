@@ -1,7 +1,7 @@
 //! The signed distance of a point from a shape of any kind.
 
-use crate::gjk;
 use crate::surface::Surface;
+use crate::{compound, gjk};
 use rockfall_math::{Aabb, DVec3, Isometry, Vec3, trig};
 use rockfall_shape::{HeightField, Mesh, Shape};
 
@@ -19,7 +19,8 @@ pub struct Nearest {
 /// The signed distance of point `p`, in the frame of the shape, from its surface, if that is not further than `limit` metres; a
 /// point that is inside always has one. What is convex, half-spaces included, is solid, and height fields are solid all the way down. A point is inside of a closed mesh,
 /// and behind an open one, where it lies behind what it is nearest to; behind an open one the limit holds as well (Bærentzen and Aanæs, "Signed distance computation using
-/// the angle weighted pseudonormal", IEEE Transactions on Visualization and Computer Graphics 11(3), 2005).
+/// the angle weighted pseudonormal", IEEE Transactions on Visualization and Computer Graphics 11(3), 2005). Of a compound it is the distance from the part that is
+/// nearest, or that the point is deepest in.
 ///
 /// Nothing where a number is not finite, but for the limit, which may be infinite.
 ///
@@ -41,6 +42,7 @@ pub fn nearest_point(shape: &Shape, p: DVec3, limit: f32) -> Option<Nearest> {
     let near = match shape {
         Shape::Mesh(mesh) => mesh_point(mesh, p, limit)?,
         Shape::HeightField(field) => field_point(field, p, limit)?,
+        Shape::Compound(compound) => compound::nearest_point(compound, p, limit)?,
         _ => {
             let place = Isometry { translation: p.as_vec3(), ..Isometry::IDENTITY };
             let near = crate::distance(shape, &Shape::Sphere { radius: 0.0 }, &place)?;

@@ -12,7 +12,7 @@ mod triangle;
 
 pub use by_distance::cast_ray_by_distance;
 
-use crate::round;
+use crate::{compound, round};
 use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::{Frustum, Hull, Shape};
 
@@ -35,7 +35,7 @@ pub struct RayHit {
     /// Unit vector out of the shape, also where the ray comes from within or from behind; zero where it starts inside of a solid.
     pub normal: Vec3,
     /// What was met: a box's face (−x, +x, −y, +y, −z, +z), a hull's face, the lower end, the upper end or the side of a capsule, a cylinder or a cone (0, 1, 2), a mesh's
-    /// triangle; of cell (i, j) of a height field the triangle towards +x is 2 (j (columns − 1) + i), the other one comes next. 0 for other
+    /// triangle; of cell (i, j) of a height field the triangle towards +x is 2 (j (columns − 1) + i), the other one comes next; the part of a compound. 0 for other
     /// shapes; [`INSIDE`] where the ray starts inside of a solid.
     pub part: u64,
 }
@@ -60,7 +60,7 @@ impl Ray {
 /// The first point of a shape that the ray meets. Touching counts. A ray that starts in a convex shape meets it at t = 0 if
 /// it is `solid`, and where the ray leaves it if not; the word is that of `parry3d`. Meshes and height fields are surfaces: they are met from
 /// either side, and have no inside. No ray slips through between two triangles of theirs that share an edge or a corner; one that lies in the
-/// plane of a triangle does not meet that one.
+/// plane of a triangle does not meet that one. Of a compound the first part that is met counts, also where that part's surface lies inside of another part.
 ///
 /// Nothing where the ray is not finite, its direction is zero, or `max` is negative or not a number.
 ///
@@ -88,6 +88,7 @@ pub fn cast_ray(shape: &Shape, ray: &Ray, solid: bool) -> Option<RayHit> {
     match shape {
         Shape::Mesh(mesh) => surface::mesh(mesh, ray),
         Shape::HeightField(field) => surface::height_field(field, ray),
+        Shape::Compound(parts) => compound::cast_ray(parts, ray, solid),
         Shape::RoundedBox { .. } | Shape::RoundedHull { .. } => cast_ray_by_distance(shape, ray, solid),
         _ => {
             let stretch = stretch(shape, ray)?;
@@ -161,7 +162,11 @@ fn stretch(shape: &Shape, ray: &Ray) -> Option<Stretch> {
             let height = normal.dot(ray.origin) - f64::from(*offset);
             whole.below(height, normal.dot(ray.direction), 0).then_some(whole)
         }
-        Shape::RoundedBox { .. } | Shape::RoundedHull { .. } | Shape::Mesh(_) | Shape::HeightField(_) => None,
+        Shape::RoundedBox { .. }
+        | Shape::RoundedHull { .. }
+        | Shape::Mesh(_)
+        | Shape::HeightField(_)
+        | Shape::Compound(_) => None,
     }
 }
 
@@ -193,9 +198,11 @@ fn normal(shape: &Shape, at: DVec3, part: u64) -> Vec3 {
         }
         Shape::Hull(hull) => hull.normals[part as usize],
         Shape::HalfSpace { normal, .. } => *normal,
-        Shape::RoundedBox { .. } | Shape::RoundedHull { .. } | Shape::Mesh(_) | Shape::HeightField(_) => {
-            Vec3::ZERO
-        }
+        Shape::RoundedBox { .. }
+        | Shape::RoundedHull { .. }
+        | Shape::Mesh(_)
+        | Shape::HeightField(_)
+        | Shape::Compound(_) => Vec3::ZERO,
     }
 }
 

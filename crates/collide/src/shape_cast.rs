@@ -5,17 +5,17 @@
 
 use crate::surface::Surface;
 use crate::time_of_impact::{Core, Course, MAX_PIECES, Other, Set};
-use crate::{Motion, Sweep, Toi, overlap};
+use crate::{Motion, Sweep, Toi, compound, overlap};
 use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::Shape;
 
-/// Where the bounded convex shape `a`, which `a_in_b` places in the frame of `b`, first touches `b` when it moves by `translation` (metres)
+/// Where the bounded convex shape `a`, or a compound of such, which `a_in_b` places in the frame of `b`, first touches `b` when it moves by `translation` (metres)
 /// without turning. All of the result is in the frame of `b`. Shapes that overlap from the start touch at time 0, with the overlap as a negative distance if
 /// that is known; shapes that only touch there do if A moves towards B.
 ///
 /// The answer is never late; it may be early by some millionths of the way and of the sizes.
 ///
-/// Nothing where A is not bounded and convex, or a number is not finite.
+/// Nothing where A is neither, or a number is not finite.
 ///
 /// # Examples
 /// ```
@@ -32,6 +32,9 @@ use rockfall_shape::Shape;
 pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) -> Option<Toi> {
     if !crate::is_finite(a_in_b) || !translation.is_finite() {
         return None;
+    }
+    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+        return compound::cast_shape(a, b, a_in_b, translation);
     }
     let center = a.bounds().center();
     let sweep = Sweep {

@@ -13,10 +13,10 @@
 //! has a smaller core, so that each may sink in by a quarter more and none is held where it lies, but for one whose middle
 //! is at the triangle. (Box2D and Box3D stop at the centroid, Jolt where the motion is more than a share of the inner radius.)
 
-use crate::ellipsoid;
 use crate::gjk::{self, Placed, Walk, walk};
 use crate::poly::BoxPoly;
 use crate::surface::Surface;
+use crate::{compound, ellipsoid};
 use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
 use rockfall_shape::{Frustum, Hull, Shape};
 use smallvec::SmallVec;
@@ -87,8 +87,8 @@ impl Motion {
     }
 }
 
-/// The first time at which the convex shape `a` comes within `target_distance` metres of `b`; none if it does not. `b` may
-/// be of any kind.
+/// The first time at which `a`, a convex shape or a compound of such, comes within `target_distance` metres of `b`; none if it does
+/// not. `b` may be of any kind. Of compounds the first impact of a part counts.
 ///
 /// The answer is never late: at no earlier time are the shapes nearer. It may be early, by rounding, and where two
 /// shapes slide past each other in a gap that is hardly wider than the target.
@@ -108,6 +108,9 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
     });
     if !finite || target_distance.is_nan() {
         return None;
+    }
+    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+        return compound::time_of_impact(a, b, sweep, target_distance);
     }
     let whole = Core::new(a, &sweep.a, 0.0)?;
     let course = Course { sweep, inner: a.inner_radius(), target: target_distance.max(0.0) };
@@ -257,7 +260,9 @@ impl Core {
                 (Set::Frustum(Frustum { half_length, lower, upper }, less * f.inner_ball().0), 0.0)
             }
             Shape::Ellipsoid { half } => (Set::Ellipsoid(left * *half), 0.0),
-            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
+            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => {
+                return None;
+            }
         };
         let corners = set.corners();
         let reach = radius + furthest(&corners, motion.center);

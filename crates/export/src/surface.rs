@@ -4,7 +4,7 @@ mod lathe;
 mod rounded;
 
 use lathe::Strip;
-use rockfall_math::{Vec3, trig};
+use rockfall_math::{Isometry, Vec3, trig};
 use rockfall_shape::{Frustum, Hull, Shape};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
@@ -68,6 +68,13 @@ impl Surface {
                 normals: Vec::new(),
                 triangles: mesh.triangles.clone(),
             },
+            Shape::Compound(compound) => {
+                let mut whole = Surface::default();
+                for part in compound.parts() {
+                    whole.join(Surface::of(&part.shape, reach).shaded(), &part.place);
+                }
+                whole
+            }
             Shape::HeightField(field) => {
                 let at = |i: u32, j: u32| j * field.columns + i;
                 let cell = |(i, j)| {
@@ -82,6 +89,14 @@ impl Surface {
                 }
             }
         }
+    }
+
+    /// Takes in another surface from where it is.
+    fn join(&mut self, other: Surface, place: &Isometry) {
+        let first = self.positions.len() as u32;
+        self.positions.extend(other.positions.into_iter().map(|p| place.point(p)));
+        self.normals.extend(other.normals.into_iter().map(|n| place.vector(n)));
+        self.triangles.extend(other.triangles.into_iter().map(|t| t.map(|corner| first + corner)));
     }
 
     /// The same triangles with a normal at every corner: where faces are flat, corners are there once for each of the normals that meet in them.

@@ -69,7 +69,8 @@ locks = ["ry"]
                 "kind",
                 Ty::Choice(&["dynamic", "kinematic", "static"]),
                 "`dynamic`: moved by forces and contacts; `kinematic`: moves as told, whatever it meets; `static`: \
-                 never moves. Dynamic where not given, but static for a half-space, mesh or height field.",
+                 never moves. Dynamic where not given, but static for a half-space, mesh or height field, and for a compound \
+                 with one.",
             ),
             optional(
                 "id",

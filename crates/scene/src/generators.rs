@@ -12,7 +12,7 @@ pub(crate) use pour::Pour;
 use crate::error::Problem;
 use crate::node::Table;
 use crate::plan::Yard;
-use crate::shapes;
+use crate::shapes::Nesting;
 use crate::sizes::SIZES;
 use crate::spec::{Key, Kinds, Spec, Ty, key, optional, required};
 
@@ -79,8 +79,8 @@ pub(crate) fn kind_of(table: &Table) -> &'static GeneratorKind {
     KINDS.iter().copied().find(|k| std::ptr::eq(k.spec, table.spec)).unwrap_or(&grid::GRID)
 }
 
-/// Checks a generator; `root` is the whole scene.
-pub(crate) fn check(table: &Table, root: &Table) -> Result<(), Problem> {
+/// Checks a generator; `root` is the whole scene, `nesting` what is known of its shapes.
+pub(crate) fn check(table: &Table, root: &Table, nesting: &Nesting) -> Result<(), Problem> {
     (kind_of(table).check)(table)?;
     if let Some(size) = table.spec.key("size").and_then(|_| table.table("size"))
         && size.f64("min") > size.f64("max")
@@ -96,7 +96,7 @@ pub(crate) fn check(table: &Table, root: &Table) -> Result<(), Problem> {
     for name in names {
         let found = root.named("shapes").find(|(n, _)| *n == name.value.text());
         if let Some((_, found)) = found
-            && shapes::kind_of(found).immovable
+            && nesting.is_immovable(name.value.text())
         {
             let kind = found.spec.name;
             let message = format!("`{}` makes dynamic bodies, but the shape is a {kind}", table.path);

@@ -4,6 +4,7 @@ use crate::check::Checker;
 use crate::error::{Problem, SceneError};
 use crate::node::{Node, Table, Value};
 use crate::root::{MATERIAL, ROOT};
+use crate::shapes::Nesting;
 use crate::source::{Source, Sources, Span};
 use crate::spec::Ty;
 use crate::{body, generators, nesting, root, shapes};
@@ -208,17 +209,19 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     }
     add_default_material(root);
     references(root, problems);
+    let (nesting, problem) = Nesting::read(root);
+    problems.extend(problem);
     for (_, table) in root.named("shapes") {
         problems.extend((shapes::kind_of(table).check)(table).err());
     }
     for table in root.tables("generators") {
-        problems.extend(generators::check(table, root).err());
+        problems.extend(generators::check(table, root, &nesting).err());
     }
     for table in root.tables("bodies") {
         problems.extend(body::Template::body(table, 0).err());
         problems.extend(body::pose(table).err());
     }
-    kinds_of_bodies(root, problems);
+    kinds_of_bodies(root, &nesting, problems);
     unique(root, "id", problems);
     unique(root, "name", problems);
 }
@@ -300,7 +303,7 @@ fn visit<'a>(table: &'a Table, see: &mut impl FnMut(&Ty, &'a Node)) {
 }
 
 /// Gives every body its kind and looks whether its shape allows it.
-fn kinds_of_bodies(root: &mut Table, problems: &mut Vec<Problem>) {
+fn kinds_of_bodies(root: &mut Table, nesting: &Nesting, problems: &mut Vec<Problem>) {
     let shapes: BTreeMap<String, Table> =
         root.named("shapes").map(|(name, table)| (name.to_owned(), table.clone())).collect();
     let bodies = root.entries.iter_mut().find(|(k, _)| *k == "bodies");
@@ -308,7 +311,7 @@ fn kinds_of_bodies(root: &mut Table, problems: &mut Vec<Problem>) {
     for node in bodies {
         let Value::Table(body) = &mut node.value else { continue };
         let Some(shape) = shapes.get(body.text("shape")) else { continue };
-        let kind = shapes::kind_of(shape);
+        let (kind, immovable) = (shapes::kind_of(shape), nesting.is_immovable(body.text("shape")));
         let (members, member) = ((kind.members)(shape), body.int("member"));
         if member >= members {
             let message = format!("`{}` is {member}", body.path_of("member"));
@@ -316,9 +319,9 @@ fn kinds_of_bodies(root: &mut Table, problems: &mut Vec<Problem>) {
             problems.push(Problem::at(body.span_of("member"), message).expecting(expected));
         }
         if !body.has("kind") {
-            let word = if kind.immovable { "static" } else { "dynamic" };
+            let word = if immovable { "static" } else { "dynamic" };
             body.set("kind", Value::Text(word.to_owned()));
-        } else if kind.immovable && body.text("kind") == "dynamic" {
+        } else if immovable && body.text("kind") == "dynamic" {
             let message = format!("`{}` is dynamic, but its shape is a {}", body.path, kind.spec.name);
             let problem = Problem::at(body.span_of("kind"), message);
             problems.push(problem.expecting("`static` or `kinematic`"));

@@ -5,7 +5,7 @@ use crate::generators::GENERATORS;
 use crate::region::REGIONS;
 use crate::root::{MATERIAL, ROOT, WORLD};
 use crate::rotation::AXIS_DEGREES;
-use crate::shapes::SHAPES;
+use crate::shapes::{PART, SHAPES};
 use crate::sizes::SIZES;
 use crate::spec::{Fallback, Spec};
 use crate::terrain::TERRAIN;
@@ -22,6 +22,7 @@ pub fn keys() -> String {
     for spec in SHAPES.cases {
         section(&mut out, &format!("### `kind = \"{}\"`", spec.name), spec, true);
     }
+    section(&mut out, "### A part of a compound", &PART, false);
     section(&mut out, "### The table `terrain`", &TERRAIN, false);
     section(&mut out, "## `[[bodies]]`", &BODY, false);
     section(&mut out, "### A rotation as a table", &AXIS_DEGREES, false);
@@ -99,6 +100,11 @@ mod tests {
                 panic!("{}", error.render(false));
             }
         }
+        let part = format!(
+            "{shapes}[shapes.x]\nkind = \"compound\"\n{}[[bodies]]\nshape = \"x\"\n",
+            super::PART.example
+        );
+        assert!(Scene::parse(&part, "part", ".").is_ok());
         let terrain =
             format!("[shapes.x]\nkind = \"mesh\"\n{}[[bodies]]\nshape = \"x\"\n", super::TERRAIN.example);
         assert!(Scene::parse(&terrain, "terrain", ".").is_ok());

@@ -8,6 +8,7 @@ use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
 use crate::sizes::Sizes;
 use rockfall::{Kind, Material, Shape};
+use rockfall_decompose::{Decomposition, Misfit};
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -118,6 +119,29 @@ pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
     Ok(yard.finish(&own_ids))
 }
 
+/// How a mesh of the scene was cut into hulls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cut {
+    /// Name of the shape.
+    pub shape: String,
+    /// Number of hulls.
+    pub hulls: usize,
+    /// How far they are from the mesh.
+    pub misfit: Misfit,
+}
+
+/// Cuts up the meshes of the scene `root`, in the order of the file.
+pub(crate) fn cuts(root: &Table, seed: u64) -> Result<Vec<Cut>, Problem> {
+    let none = BTreeMap::new();
+    let context = Cook::new(seed, root, &none);
+    let tables = root.named("shapes").filter(|(_, table)| shapes::is_decomposition(table));
+    let cut = |(name, table): (&str, &Table)| {
+        let Decomposition { compound, misfit } = shapes::cook_decomposition(table, &context)?;
+        Ok(Cut { shape: name.to_owned(), hulls: compound.parts().len(), misfit })
+    };
+    tables.map(cut).collect()
+}
+
 impl Yard<'_> {
     /// The material that `table` names.
     pub(crate) fn material(&self, table: &Table) -> u32 {
@@ -147,7 +171,10 @@ impl Yard<'_> {
             return Err(Problem::at(table.span, format!("no shape is called `{name}`")));
         };
         if !self.families.contains_key(&index) {
-            let context = Cook { seed: self.seed };
+            for part in shapes::parts_of(shape) {
+                self.family(part, "shape")?;
+            }
+            let context = Cook::new(self.seed, self.root, &self.families);
             let shapes = (shapes::kind_of(shape).cook)(shape, &context)?;
             self.families.insert(index, shapes);
         }

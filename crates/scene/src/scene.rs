@@ -4,7 +4,7 @@ use crate::error::{Problem, SceneError};
 use crate::load::{self, Loader};
 use crate::memory::{self, Estimate};
 use crate::node::{Table, Value};
-use crate::plan::{BodyRow, Plan, plan};
+use crate::plan::{BodyRow, Cut, Plan, cuts, plan};
 use crate::running::Running;
 use crate::source::{Source, Sources};
 use crate::{root, write};
@@ -150,6 +150,14 @@ impl Scene {
         let plan = self.plan_within(None)?;
         let materials = self.root.named("materials").map(|(name, _)| name.to_owned()).collect();
         Ok(Inventory { shapes: plan.shapes, materials, bodies: plan.rows })
+    }
+
+    /// How the scene's `decomposition` shapes are cut, and how far the hulls are from the meshes. Cuts them, which may take seconds.
+    ///
+    /// # Errors
+    /// A mesh that can't be read or cut.
+    pub fn cuts(&self) -> Result<Vec<Cut>, SceneError> {
+        cuts(&self.root, self.seed).map_err(|p| SceneError::one(p, &self.sources))
     }
 
     /// Cooks the shapes, places the bodies and sets up the world.

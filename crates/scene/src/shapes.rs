@@ -2,6 +2,8 @@
 
 mod boulders;
 mod boxes;
+mod compound;
+mod decomposition;
 mod height_field;
 mod hull;
 mod mesh;
@@ -12,9 +14,13 @@ use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{Kinds, Spec};
 use rockfall::Shape;
-use rockfall_math::Vec3;
-use rockfall_shape::Hull;
+use rockfall_math::{Pose, Vec3};
+use rockfall_shape::{Compound, Hull, Part};
+use std::collections::BTreeMap;
 use std::sync::Arc;
+
+pub(crate) use compound::{Nesting, PART, parts_of};
+pub(crate) use decomposition::{cook as cook_decomposition, is_decomposition};
 
 /// One kind of shape. To add one, copy the file of a neighbour and add it to [`KINDS`] and [`SHAPES`].
 #[derive(Debug)]
@@ -28,16 +34,31 @@ pub(crate) struct ShapeKind {
     pub(crate) memory: fn(&Table) -> u64,
     /// What the types of its keys can't say.
     pub(crate) check: fn(&Table) -> Result<(), Problem>,
-    pub(crate) cook: fn(&Table, &Cook) -> Result<Vec<Shape>, Problem>,
+    pub(crate) cook: fn(&Table, &Cook<'_>) -> Result<Vec<Shape>, Problem>,
 }
 
 /// What cooking may need besides the table.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cook {
+pub(crate) struct Cook<'a> {
     pub(crate) seed: u64,
+    root: &'a Table,
+    /// Families that are cooked, by their place in the file; those of the parts of a compound are among them.
+    families: &'a BTreeMap<usize, Vec<Shape>>,
 }
 
-static KINDS: [&ShapeKind; 14] = [
+impl<'a> Cook<'a> {
+    pub(crate) fn new(seed: u64, root: &'a Table, families: &'a BTreeMap<usize, Vec<Shape>>) -> Self {
+        Cook { seed, root, families }
+    }
+
+    /// A shape by its name and its number in the family.
+    fn member(&self, name: &str, member: usize) -> Option<Shape> {
+        let index = self.root.named("shapes").position(|(n, _)| n == name)?;
+        self.families.get(&index)?.get(member).cloned()
+    }
+}
+
+static KINDS: [&ShapeKind; 16] = [
     &round::SPHERE,
     &round::BOX,
     &round::CAPSULE,
@@ -50,6 +71,8 @@ static KINDS: [&ShapeKind; 14] = [
     &round::HALF_SPACE,
     &mesh::MESH,
     &height_field::HEIGHT_FIELD,
+    &compound::COMPOUND,
+    &decomposition::DECOMPOSITION,
     &boulders::BOULDERS,
     &boxes::BOXES,
 ];
@@ -70,6 +93,8 @@ pub(crate) static SHAPES: Kinds = Kinds {
         &round::HALF_SPACE_KEYS,
         &mesh::MESH_KEYS,
         &height_field::HEIGHT_FIELD_KEYS,
+        &compound::COMPOUND_KEYS,
+        &decomposition::DECOMPOSITION_KEYS,
         &boulders::BOULDERS_KEYS,
         &boxes::BOXES_KEYS,
     ],
@@ -127,6 +152,10 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
             (Vec3::ZERO, shape.radius_about(Vec3::ZERO))
         }
         Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => (hull.center, shape.radius_about(hull.center)),
+        Shape::Compound(_) => {
+            let center = shape.bounds().center();
+            (center, shape.radius_about(center))
+        }
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
     })
 }
@@ -153,6 +182,18 @@ pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
         Shape::Hull(hull) if by != 1.0 => Shape::Hull(scaled_hull(hull, by)?),
         Shape::RoundedHull { hull, radius } if by != 1.0 => {
             Shape::RoundedHull { hull: scaled_hull(hull, by)?, radius: radius * by }
+        }
+        Shape::Compound(compound) if by != 1.0 => {
+            let part = |part: &Part| {
+                let pose = Pose { position: part.pose.position * f64::from(by), ..part.pose };
+                Ok((scaled(&part.shape, by)?, pose))
+            };
+            let parts = compound.parts().iter().map(part).collect::<Result<Vec<_>, String>>()?;
+            let whole = Compound::new(parts).map_err(|e| e.to_string())?;
+            Shape::Compound(Arc::new(match compound.solid() {
+                Some(solid) => whole.standing_for(solid.scaled(by)),
+                None => whole,
+            }))
         }
         other => other.clone(),
     })

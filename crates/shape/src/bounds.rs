@@ -1,6 +1,6 @@
 //! Boxes around shapes, at rest in their own frame and placed in the world.
 
-use crate::{Frustum, Hull, Shape};
+use crate::{Frustum, Hull, Part, Shape};
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Vec3, rotation};
 
 /// Half-spaces have no end; their boxes reach to this coordinate, metres: finite, so that sums and areas of
@@ -27,11 +27,12 @@ impl Shape {
             Shape::HalfSpace { normal, offset } => half_space(*normal, f64::from(*offset)),
             Shape::Mesh(mesh) => mesh.bounds,
             Shape::HeightField(field) => field.bounds,
+            Shape::Compound(compound) => compound.bounds(),
         }
     }
 
     /// A box around the shape placed in the world, rounded outwards. The smallest one for convex shapes (up
-    /// to a millionth of their size); for turned meshes and height fields the one around their turned box. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
+    /// to a millionth of their size); for turned meshes and height fields the one around their turned box; for compounds the one around the boxes of their parts. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
     /// where its normal is along an axis.
     pub fn placed_bounds(&self, pose: &Pose) -> Aabb {
         match self {
@@ -67,6 +68,12 @@ impl Shape {
             Shape::Mesh(_) | Shape::HeightField(_) => {
                 let local = self.bounds();
                 local.grown(rounding(local.min.abs().max(local.max.abs()))).placed(pose)
+            }
+            Shape::Compound(compound) => {
+                let of = |part: &Part| part.shape.placed_bounds(&part.within(pose));
+                let all = compound.parts().iter().map(of).fold(Aabb::EMPTY, |all, one| all.union(&one));
+                let local = compound.bounds();
+                all.grown(rounding(local.min.abs().max(local.max.abs())))
             }
         }
     }

@@ -5,7 +5,7 @@ use rockfall_math::Vec3;
 
 impl Shape {
     /// The point of a bounded convex shape that is farthest along `direction`, which need not be of unit
-    /// length. The first corner wins a tie. `None` for half-spaces, meshes and height fields.
+    /// length. The first corner wins a tie. `None` for half-spaces, meshes, height fields and compounds.
     pub fn support(&self, direction: Vec3) -> Option<Vec3> {
         match self {
             Shape::Sphere { radius } => Some(direction.normalize_or_zero() * *radius),
@@ -29,7 +29,7 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => {
                 Some(hull.vertices[hull.support(direction)] + direction.normalize_or_zero() * *radius)
             }
-            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => None,
+            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => None,
         }
     }
 
@@ -55,11 +55,14 @@ impl Shape {
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Mesh(mesh) => farthest(&mut mesh.vertices.iter().copied()),
             Shape::HeightField(field) => farthest(&mut field.samples()),
+            Shape::Compound(compound) => {
+                compound.parts().iter().map(|part| part.radius_about(center)).fold(0.0, f32::max)
+            }
         }
     }
 
     /// Radius of a ball that fits inside, metres: a body that moves by less in a step can't pass through a
-    /// thin wall unseen. Infinite for half-spaces, zero for surfaces.
+    /// thin wall unseen. Infinite for half-spaces, zero for surfaces, of a compound that of its thinnest part.
     pub fn inner_radius(&self) -> f32 {
         match self {
             Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
@@ -72,6 +75,7 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => hull.inner_radius + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
+            Shape::Compound(compound) => compound.thinnest().shape.inner_radius(),
         }
     }
 }
@@ -83,6 +87,10 @@ impl Shape {
             Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => hull.center,
             Shape::Cylinder { .. } | Shape::Cone { .. } => {
                 Frustum::of(self).map_or(Vec3::ZERO, |f| Vec3::Z * f.inner_ball().0)
+            }
+            Shape::Compound(compound) => {
+                let part = compound.thinnest();
+                part.place.point(part.shape.inner_center())
             }
             _ => Vec3::ZERO,
         }

@@ -1,6 +1,6 @@
 //! What kind of shape it is, and whether its numbers make sense.
 
-use crate::{HeightFieldError, HullDefect, LARGEST, MeshError, SMALLEST, Shape};
+use crate::{CompoundError, HeightFieldError, HullDefect, LARGEST, MeshError, SMALLEST, Shape};
 use rockfall_math::Vec3;
 
 /// Why a shape is refused.
@@ -28,6 +28,9 @@ pub enum ShapeError {
     /// The height field is not usable.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),
+    /// The compound is not usable.
+    #[error(transparent)]
+    Compound(#[from] CompoundError),
 }
 
 impl Shape {
@@ -46,18 +49,28 @@ impl Shape {
             Shape::HalfSpace { .. } => "half-space",
             Shape::Mesh(_) => "mesh",
             Shape::HeightField(_) => "height field",
+            Shape::Compound(_) => "compound",
         }
     }
 
     /// Whether the straight line between any two points of the shape stays in it. Half-spaces are convex.
     pub fn is_convex(&self) -> bool {
-        !matches!(self, Shape::Mesh(_) | Shape::HeightField(_))
+        !matches!(self, Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_))
     }
 
     /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the
-    /// half-space, and closed meshes whose normals point outwards.
+    /// half-space, closed meshes whose normals point outwards, and compounds of such.
     pub fn has_inside(&self) -> bool {
         self.mass_properties(1.0).is_some()
+    }
+
+    /// Whether forces may move a body of this shape: it has an inside, and its contacts with all shapes are found.
+    pub fn can_move(&self) -> bool {
+        match self {
+            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => false,
+            Shape::Compound(compound) => compound.parts().iter().all(|part| part.shape.can_move()),
+            _ => true,
+        }
     }
 
     /// Whether all numbers make sense: sizes from [`SMALLEST`] to [`LARGEST`], unit normals, columns that fit
@@ -128,6 +141,8 @@ impl Shape {
             }
             Shape::Mesh(mesh) => Ok(mesh.check()?),
             Shape::HeightField(field) => Ok(field.check()?),
+            // It was checked when it was made, and nobody can change it.
+            Shape::Compound(_) => Ok(()),
         }
     }
 }

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod bounds;
+mod compound;
 mod extent;
 mod frustum;
 mod height_field;
@@ -16,6 +17,7 @@ mod polyhedron;
 mod principal;
 
 pub use bounds::UNBOUNDED;
+pub use compound::{Compound, CompoundError, Part};
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
@@ -101,4 +103,6 @@ pub enum Shape {
     Mesh(Arc<Mesh>),
     /// A surface z = h(x, y) over a regular grid. Immovable bodies only.
     HeightField(Arc<HeightField>),
+    /// Several shapes at fixed places. Immovable bodies only where a part is for those only.
+    Compound(Arc<Compound>),
 }

@@ -1,5 +1,6 @@
 //! Mass, centre of mass and inertia of solids of one density.
 
+pub(crate) mod compound;
 mod rounded;
 
 use crate::{Frustum, Shape, polyhedron};
@@ -23,6 +24,16 @@ impl MassProperties {
         MassProperties { mass, center: self.center, inertia: self.inertia * (mass / self.mass) }
     }
 
+    /// Those of the same solid, `by` times as long in all directions.
+    pub fn scaled(&self, by: f32) -> Self {
+        let cube = by * by * by;
+        MassProperties {
+            mass: self.mass * cube,
+            center: self.center * by,
+            inertia: self.inertia * (cube * by * by),
+        }
+    }
+
     /// From a diagonal inertia `squares` + `products` off the diagonal (yz, zx, xy), in double precision.
     fn new(mass: f64, center: DVec3, diagonal: DVec3, products: DVec3) -> Self {
         let (d, p) = (diagonal.as_vec3(), products.as_vec3());
@@ -35,7 +46,8 @@ impl MassProperties {
 impl Shape {
     /// Mass properties of a solid of `density` kg/m³ in this shape, exact up to rounding: closed forms for
     /// the round shapes and the box, integrals over the polyhedron for hulls and closed meshes, and over what
-    /// is around it for rounded hulls. `None` for shapes without an inside: see [`Shape::has_inside`].
+    /// is around it for rounded hulls. The parts of a compound are taken as they are: where they overlap, the mass is there
+    /// twice. `None` for shapes without an inside: see [`Shape::has_inside`].
     ///
     /// # Examples
     /// ```
@@ -61,6 +73,9 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => rounded::hull(density, hull, f64::from(*radius)),
             Shape::Mesh(mesh) if mesh.closed => solid(density, mesh.corners()),
             Shape::Mesh(_) | Shape::HeightField(_) | Shape::HalfSpace { .. } => None,
+            Shape::Compound(parts) => {
+                parts.solid().map(|unit| unit.with_mass((density * f64::from(unit.mass)) as f32))
+            }
         }
     }
 }

@@ -65,7 +65,13 @@ pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash
     if balls {
         return Leash { length: LOOSE_BALLS * a.inner_radius().min(b.inner_radius()), lever: 0.0 };
     }
-    let of = |shape: &Shape| match shape {
+    // All of the smaller body is within its diameter from the contact.
+    Leash { length: loose(a).min(loose(b)), lever: 2.0 * radii[0].min(radii[1]) }
+}
+
+/// What a shape allows.
+fn loose(shape: &Shape) -> f32 {
+    match shape {
         Shape::Sphere { .. }
         | Shape::Capsule { .. }
         | Shape::Cylinder { .. }
@@ -77,9 +83,10 @@ pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash
             LOOSE * shape.inner_radius()
         }
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => f32::INFINITY,
-    };
-    // All of the smaller body is within its diameter from the contact.
-    Leash { length: of(a).min(of(b)), lever: 2.0 * radii[0].min(radii[1]) }
+        Shape::Compound(compound) => {
+            compound.parts().iter().map(|part| loose(&part.shape)).fold(f32::INFINITY, f32::min)
+        }
+    }
 }
 
 #[cfg(test)]

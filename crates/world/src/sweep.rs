@@ -5,8 +5,8 @@
 //! that contacts can't move. What is left of its way it goes along that body, so that nothing that is fast stands still; its
 //! velocity is left to the contact that the next step finds there.
 //!
-//! Where the solver already had a contact with a solid, it has kept the two apart; only a mesh, which may be thin anywhere,
-//! is looked at again. Bodies that move are not stopped at each other: one that is held back within a stream is run into
+//! Where the solver already had a contact with a solid, it has kept the two apart; only a mesh, which may be thin anywhere, and a
+//! compound, whose parts have contacts of their own, are looked at again. Bodies that move are not stopped at each other: one that is held back within a stream is run into
 //! by those behind it (boulders of the rock slide overlapped by 50 mm on average with such stops, by 2 mm without).
 
 use crate::bodies::Bodies;
@@ -120,7 +120,7 @@ fn first_impact(
         .filter_map(|other| {
             let b = shapes.get(bodies.shapes[other as usize] as usize)?;
             let key = (row as u64) << 32 | u64::from(other | FIXED);
-            if touches.has_manifold(key) && !matches!(b, Shape::Mesh(_)) {
+            if touches.has_manifold(key) && holds(shape, b) {
                 return None;
             }
             let motion = motion(bodies, other as usize, origin);
@@ -131,6 +131,12 @@ fn first_impact(
             a.time.total_cmp(&b.time).then_with(|| bodies.ids[*m as usize].cmp(&bodies.ids[*n as usize]))
         })
         .map(|(hit, way, _)| (hit, way))
+}
+
+/// Whether a contact that two shapes have keeps all of the first from going through the second: no other place of it can.
+fn holds(a: &Shape, b: &Shape) -> bool {
+    let many = |shape: &Shape| matches!(shape, Shape::Mesh(_) | Shape::Compound(_));
+    matches!(b, Shape::HalfSpace { .. }) || !many(a) && !many(b)
 }
 
 /// How the body of a row moved in this step, seen from `origin`.

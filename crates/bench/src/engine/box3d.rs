@@ -217,7 +217,8 @@ fn cook(shape: &Shape) -> Result<Cooked, Error> {
         | Shape::Cone { .. }
         | Shape::Ellipsoid { .. }
         | Shape::RoundedBox { .. }
-        | Shape::RoundedHull { .. } => Err(none()),
+        | Shape::RoundedHull { .. }
+        | Shape::Compound(_) => Err(none()),
     }
 }
 

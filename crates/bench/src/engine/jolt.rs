@@ -285,7 +285,8 @@ fn cook(shape: &Shape, density: f32) -> Result<Cooked, Error> {
             | Shape::Cone { .. }
             | Shape::Ellipsoid { .. }
             | Shape::RoundedBox { .. }
-            | Shape::RoundedHull { .. } => return Err(none()),
+            | Shape::RoundedHull { .. }
+            | Shape::Compound(_) => return Err(none()),
         }
     };
     let made = Cooked(NonNull::new(made).ok_or_else(none)?);

@@ -275,7 +275,8 @@ fn cook(library: &Library, shape: &Shape) -> Result<Cooked, Error> {
             | Shape::Cone { .. }
             | Shape::Ellipsoid { .. }
             | Shape::RoundedBox { .. }
-            | Shape::RoundedHull { .. } => Err(none()),
+            | Shape::RoundedHull { .. }
+            | Shape::Compound(_) => Err(none()),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::{Cook, ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
 use crate::mesh_file;
 use crate::node::Table;
-use crate::spec::{POSITIVE, Spec, Ty, key, optional};
+use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
 use crate::terrain::{self, TERRAIN};
 use rockfall::Shape;
 use rockfall_math::Vec3;
@@ -21,14 +21,16 @@ kind = "mesh"
 file = "meshes/valley.obj"
 scale = 0.01 # the file is in centimetres
 "#,
-    groups: &[&[
-        optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),
-        optional("vertices", Ty::Points, "Corners, m; with `triangles`."),
-        optional("triangles", Ty::Triangles, "Three indices into `vertices` each, counted from 0."),
-        optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain."),
-        key("scale", Ty::Number(POSITIVE), "1", "Multiplies the coordinates."),
-    ]],
+    groups: &[&MESH_GROUP, &[optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain.")]],
 };
+
+/// What all meshes have.
+pub(super) static MESH_GROUP: [Key; 4] = [
+    optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),
+    optional("vertices", Ty::Points, "Corners, m; with `triangles`."),
+    optional("triangles", Ty::Triangles, "Three indices into `vertices` each, counted from 0."),
+    key("scale", Ty::Number(POSITIVE), "1", "Multiplies the coordinates."),
+];
 
 pub(super) static MESH: ShapeKind = ShapeKind {
     spec: &MESH_KEYS,
@@ -40,13 +42,18 @@ pub(super) static MESH: ShapeKind = ShapeKind {
         160 * (2 * cells + table.list("triangles").len() as u64) + 256
     },
     check,
-    cook: |table, context| Ok(vec![cook(table, context)?]),
+    cook: |table, context| Ok(vec![Shape::Mesh(Arc::new(read(table, context)?))]),
 };
 
-const SOURCES: &[&str] = &["file", "vertices", "terrain"];
+/// Where the triangles of a table with [`MESH_GROUP`] come from.
+fn source(table: &Table) -> Result<&'static str, Problem> {
+    let all = &["file", "vertices", "terrain"];
+    only_one_of(table, if table.spec.key("terrain").is_some() { all } else { &all[..2] })
+}
 
-fn check(table: &Table) -> Result<(), Problem> {
-    let source = only_one_of(table, SOURCES)?;
+/// What the types of [`MESH_GROUP`] can't say.
+pub(super) fn check(table: &Table) -> Result<(), Problem> {
+    let source = source(table)?;
     if (source == "vertices") != table.has("triangles") {
         let message = format!("`{}` has only one of `vertices` and `triangles`", table.path);
         return Err(Problem::at(table.span, message).expecting("both"));
@@ -62,8 +69,9 @@ fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
-    let source = only_one_of(table, SOURCES)?;
+/// The mesh that a table with [`MESH_GROUP`] describes.
+pub(super) fn read(table: &Table, context: &Cook<'_>) -> Result<Mesh, Problem> {
+    let source = source(table)?;
     let (mut vertices, triangles) = match source {
         "file" => {
             let soup =
@@ -81,12 +89,11 @@ fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
     };
     let scale = table.f32("scale");
     vertices.iter_mut().for_each(|v| *v *= scale);
-    let mesh = Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))?;
-    Ok(Shape::Mesh(Arc::new(mesh)))
+    Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))
 }
 
 /// Terrain as triangles, each cell cut from (i, j) to (i + 1, j + 1) as in a height field.
-fn ground(table: &Table, context: &Cook) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn ground(table: &Table, context: &Cook<'_>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let Some(keys) = table.table("terrain") else { return (Vec::new(), Vec::new()) };
     let grid = terrain::heights(keys, context.seed, &table.path);
     let (columns, rows) = (grid.columns, grid.rows);

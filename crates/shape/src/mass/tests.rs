@@ -1,11 +1,12 @@
 //! Mass properties against closed forms and against parry3d.
 
 use super::*;
-use crate::{Hull, Mesh};
+use crate::{Compound, Hull, Mesh};
 use parry3d::mass_properties::MassProperties as ParryMass;
 use parry3d::shape::{Shape as _, TriMesh};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
+use rockfall_math::Pose;
 use std::sync::Arc;
 
 /// Largest difference of the two, as a part of the largest moment (or of mass and size).
@@ -298,4 +299,90 @@ fn an_ellipsoid_is_a_stretched_ball() {
     let mass = 8.0 * std::f32::consts::PI;
     let expected = properties(mass, Vec3::ZERO, Vec3::new(13.0, 10.0, 5.0) * (mass / 5.0));
     assert!(error(&found, &expected, 1.0) < 1e-6, "{found:?}");
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::at(DVec3::new(x, y, z))
+}
+
+fn compound(parts: Vec<(Shape, Pose)>) -> Shape {
+    Shape::Compound(Arc::new(Compound::new(parts).unwrap()))
+}
+
+/// Promise: eight small cubes that fill a large one weigh the same as that, and so do two halves that are turned.
+#[test]
+fn a_compound_of_pieces_weighs_the_same_as_the_whole() {
+    let whole = Shape::Box { half: Vec3::new(1.0, 0.5, 0.25) }.mass_properties(700.0).unwrap();
+    let piece = Shape::Box { half: Vec3::new(0.5, 0.25, 0.125) };
+    let eight = (0..8).map(|i: u8| {
+        let side = |bit: u8| if i >> bit & 1 == 0 { -0.5 } else { 0.5 };
+        (piece.clone(), at(side(0), 0.5 * side(1), 0.25 * side(2)))
+    });
+    let found = compound(eight.collect()).mass_properties(700.0).unwrap();
+    assert!(error(&found, &whole, 1.0) < 1e-6, "{found:?}");
+    // Half of it is a box with other axes.
+    let half = Shape::Box { half: Vec3::new(0.25, 0.5, 0.5) };
+    let quarter = rockfall_math::rotation::from_rotation_vector(Vec3::Y * std::f32::consts::FRAC_PI_2);
+    let place = |x: f64| Pose { rotation: quarter, ..at(x, 0.0, 0.0) };
+    let found =
+        compound(vec![(half.clone(), place(-0.5)), (half, place(0.5))]).mass_properties(700.0).unwrap();
+    assert!(error(&found, &whole, 1.0) < 1e-6, "{found:?}");
+}
+
+/// Promise: the dumbbell of two balls and a rod has its closed form: 2 (2/5 m r² + m d²) + M L²/12 + M R²/4 across.
+#[test]
+fn a_dumbbell_matches_its_closed_form() {
+    let (r, d, rod_radius, length) = (0.3_f64, 0.8_f64, 0.05_f64, 1.0_f64);
+    let ball = Shape::Sphere { radius: r as f32 };
+    let rod = Shape::Cylinder { half_length: 0.5 * length as f32, radius: rod_radius as f32 };
+    let off = DVec3::new(3.0, -2.0, 1.0);
+    let part = |shape: &Shape, z: f64| (shape.clone(), Pose::at(off + DVec3::Z * z));
+    let shape = compound(vec![part(&ball, d), part(&rod, 0.0), part(&ball, -d)]);
+    let found = shape.mass_properties(1000.0).unwrap();
+    let m = 1000.0 * 4.0 / 3.0 * PI * r * r * r;
+    let rod_mass = 1000.0 * PI * rod_radius * rod_radius * length;
+    let across = 2.0 * (0.4 * m * r * r + m * d * d)
+        + rod_mass * (length * length / 12.0 + 0.25 * rod_radius * rod_radius);
+    let along = 0.8 * m * r * r + 0.5 * rod_mass * rod_radius * rod_radius;
+    let moments = DVec3::new(across, across, along).as_vec3();
+    let expected = properties((2.0 * m + rod_mass) as f32, off.as_vec3(), moments);
+    assert!(error(&found, &expected, 1.0) < 1e-6, "{found:?} {expected:?}");
+    // Parts that overlap are counted twice.
+    let twice = compound(vec![part(&ball, 0.0), part(&ball, 0.0)]).mass_properties(1000.0).unwrap();
+    assert!((twice.mass as f64 / (2.0 * m) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn random_compounds_agree_with_parry() {
+    use parry3d::math::Pose as ParryPose;
+    use parry3d::shape::{Compound as ParryCompound, SharedShape};
+    for seed in 0..100 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut next = move || (rng.next_u32() >> 8) as f32 / (1 << 23) as f32 - 1.0;
+        let mut parts = Vec::new();
+        let mut oracle = Vec::new();
+        for i in 0..2 + seed % 5 {
+            let position = Vec3::new(next(), next(), next());
+            let rotation = rockfall_math::rotation::normalize(rockfall_math::Quat::from_xyzw(
+                next(),
+                next(),
+                next(),
+                next(),
+            ));
+            let half = Vec3::new(0.6 + 0.5 * next(), 0.6 + 0.5 * next(), 0.6 + 0.5 * next());
+            let (shape, other) = match i % 3 {
+                0 => (Shape::Box { half }, SharedShape::cuboid(half.x, half.y, half.z)),
+                1 => (Shape::Sphere { radius: half.x }, SharedShape::ball(half.x)),
+                _ => (
+                    Shape::Capsule { half_length: half.x, radius: half.y },
+                    SharedShape::capsule(-half.x * Vec3::Z, half.x * Vec3::Z, half.y),
+                ),
+            };
+            parts.push((shape, Pose { position: position.as_dvec3(), rotation }));
+            oracle.push((ParryPose::from_parts(position, rotation), other));
+        }
+        let found = compound(parts).mass_properties(300.0).unwrap();
+        let expected = from_parry(&ParryCompound::new(oracle).mass_properties(300.0));
+        assert!(error(&found, &expected, 1.0) < 1e-5, "{seed}: {found:?} {expected:?}");
+    }
 }

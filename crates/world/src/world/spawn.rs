@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::bodies::{BodyRow, Mass, State};
-use crate::{Body, BodyId, Error, Kind};
+use crate::{Body, BodyId, Error, Kind, Shape};
 use rockfall_math::{Pose, Vec3, rotation};
 
 impl World {
@@ -79,15 +79,15 @@ impl World {
             .materials
             .get(body.material.index())
             .ok_or(Error::Unknown { what: "material", index: body.material.0 })?;
-        let sphere = matches!(shape, crate::Shape::Sphere { .. });
+        let sphere = matches!(shape, Shape::Sphere { .. });
         let inner_radius = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
         if body.kind != Kind::Dynamic {
             let radius = shape.radius_about(Vec3::ZERO);
             return Ok(Mass { radius, inner_radius, sphere, ..Mass::default() });
         }
         let unit = self.masses.get(&index).copied().or_else(|| shape.mass_properties(1.0));
-        let solid = unit.filter(|_| shape.is_convex() && shape.has_inside());
-        let unit = solid.ok_or(Error::Immovable { shape: shape.name() })?;
+        let solid = unit.filter(|_| shape.can_move());
+        let unit = solid.ok_or(Error::Immovable { shape: immovable(shape) })?;
         let mut mass = unit.with_mass(unit.mass * material.density);
         if let Some(other) = &body.mass {
             if let Some(center) = other.center {
@@ -195,6 +195,15 @@ impl World {
         self.wake(row);
         Ok(())
     }
+}
+
+/// What keeps a shape from being dynamic.
+fn immovable(shape: &Shape) -> &'static str {
+    let parts = match shape {
+        Shape::Compound(compound) => compound.parts(),
+        _ => &[],
+    };
+    parts.iter().map(|part| &part.shape).find(|part| !part.can_move()).unwrap_or(shape).name()
 }
 
 fn check_finite(what: &'static str, v: Vec3) -> Result<(), Error> {

@@ -34,7 +34,8 @@ pub struct CastHit {
 pub struct Penetration {
     /// The body.
     pub body: BodyId,
-    /// How far the shape must at least move along `normal` to leave the body, metres. Out of meshes and height fields it is the deepest contact.
+    /// How far the shape must at least move along `normal` to leave the body, metres. Out of meshes and height fields it is the deepest contact,
+    /// out of compounds the way out of the part that overlaps most.
     pub depth: f32,
     /// Unit vector out of the body.
     pub normal: Vec3,
@@ -53,13 +54,13 @@ impl World {
         Ok(self.view(filter).cast(&probe, cast))
     }
 
-    /// The first body that a bounded convex shape touches on each of many ways, in their order; in parallel. What it overlaps at the start it
+    /// The first body that a bounded convex shape, or a compound of such, touches on each of many ways, in their order; in parallel. What it overlaps at the start it
     /// touches at time 0; what it merely touches there only if it moves towards it. Triangles of meshes and height fields are touched from either side.
     ///
     /// A time is never late; it may be early by some millionths of the sizes of shape and body.
     ///
     /// # Errors
-    /// [`Error::Shape`] and [`Error::Value`] where the shape makes no sense or is not bounded and convex, a pose is not one that a body can have, or a
+    /// [`Error::Shape`] and [`Error::Value`] where the shape makes no sense or is not as said, a pose is not one that a body can have, or a
     /// translation is not finite.
     ///
     /// # Examples
@@ -90,7 +91,7 @@ impl World {
         Ok(self.pool.install(|| casts.par_iter().with_min_len(BLOCK).map(first).collect()))
     }
 
-    /// The bodies that share a point with a bounded convex shape at each of many poses, by id; in parallel. A mesh is its triangles, a height field is solid all the
+    /// The bodies that share a point with a bounded convex shape, or a compound of such, at each of many poses, by id; in parallel. A mesh is its triangles, a height field is solid all the
     /// way down.
     ///
     /// # Errors
@@ -128,7 +129,7 @@ impl World {
         }))
     }
 
-    /// How a bounded convex shape at each of many poses overlaps bodies, by id; in parallel. See [`World::overlaps`].
+    /// How a bounded convex shape, or a compound of such, at each of many poses overlaps bodies, by id; in parallel. See [`World::overlaps`].
     ///
     /// # Errors
     /// As [`World::cast_shapes`].
@@ -176,10 +177,15 @@ impl<'a> Probe<'a> {
         shape.validate()?;
         let center = shape.bounds().center();
         let radius = shape.radius_about(center);
-        if shape.is_convex() && radius.is_finite() {
+        let bounded = |shape: &Shape| shape.is_convex() && !matches!(shape, Shape::HalfSpace { .. });
+        let usable = match shape {
+            Shape::Compound(compound) => compound.parts().iter().all(|part| bounded(&part.shape)),
+            _ => bounded(shape),
+        };
+        if usable {
             return Ok(Probe { shape, center, radius });
         }
-        let (value, expected) = (shape.name().to_string(), "a bounded convex one");
+        let (value, expected) = (shape.name().to_string(), "a bounded convex one, or a compound of such");
         Err(Error::Value { what: "shape of a query", value, expected })
     }
 }
