@@ -2,6 +2,7 @@
 
 mod boulders;
 mod boxes;
+mod field;
 mod height_field;
 mod hull;
 mod mesh;
@@ -37,7 +38,7 @@ pub(crate) struct Cook {
     pub(crate) seed: u64,
 }
 
-static KINDS: [&ShapeKind; 14] = [
+static KINDS: [&ShapeKind; 15] = [
     &round::SPHERE,
     &round::BOX,
     &round::CAPSULE,
@@ -49,6 +50,7 @@ static KINDS: [&ShapeKind; 14] = [
     &rounded::ROUNDED_HULL,
     &round::HALF_SPACE,
     &mesh::MESH,
+    &field::FIELD,
     &height_field::HEIGHT_FIELD,
     &boulders::BOULDERS,
     &boxes::BOXES,
@@ -69,6 +71,7 @@ pub(crate) static SHAPES: Kinds = Kinds {
         &rounded::ROUNDED_HULL_KEYS,
         &round::HALF_SPACE_KEYS,
         &mesh::MESH_KEYS,
+        &field::FIELD_KEYS,
         &height_field::HEIGHT_FIELD_KEYS,
         &boulders::BOULDERS_KEYS,
         &boxes::BOXES_KEYS,
@@ -127,6 +130,10 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
             (Vec3::ZERO, shape.radius_about(Vec3::ZERO))
         }
         Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => (hull.center, shape.radius_about(hull.center)),
+        Shape::Field(_) => {
+            let center = shape.bounds().center();
+            (center, shape.radius_about(center))
+        }
         Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
     })
 }
@@ -134,7 +141,7 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
 /// A shape at another size.
 ///
 /// # Errors
-/// What hull cooking says of the scaled corners.
+/// What hull and mesh cooking say of the scaled corners.
 pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
     Ok(match shape {
         Shape::Sphere { radius } => Shape::Sphere { radius: radius * by },
@@ -153,6 +160,9 @@ pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
         Shape::Hull(hull) if by != 1.0 => Shape::Hull(scaled_hull(hull, by)?),
         Shape::RoundedHull { hull, radius } if by != 1.0 => {
             Shape::RoundedHull { hull: scaled_hull(hull, by)?, radius: radius * by }
+        }
+        Shape::Field(field) if by != 1.0 => {
+            Shape::Field(Arc::new(field.scaled(by).map_err(|e| e.to_string())?))
         }
         other => other.clone(),
     })

@@ -10,7 +10,7 @@ fn scenes() -> PathBuf {
 }
 
 /// Name, and bodies including those that are poured.
-const SHIPPED: [(&str, u64); 11] = [
+const SHIPPED: [(&str, u64); 12] = [
     ("hello", 10),
     ("rockslide", 20_001),
     ("pyramid", 5_051),
@@ -22,6 +22,7 @@ const SHIPPED: [(&str, u64); 11] = [
     ("impulse", 16),
     ("reflect", 80),
     ("shapes", 241),
+    ("cup", 15),
 ];
 
 fn load(name: &str) -> Scene {

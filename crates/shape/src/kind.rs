@@ -45,17 +45,23 @@ impl Shape {
             Shape::RoundedHull { .. } => "rounded hull",
             Shape::HalfSpace { .. } => "half-space",
             Shape::Mesh(_) => "mesh",
+            Shape::Field(_) => "field",
             Shape::HeightField(_) => "height field",
         }
     }
 
     /// Whether the straight line between any two points of the shape stays in it. Half-spaces are convex.
     pub fn is_convex(&self) -> bool {
-        !matches!(self, Shape::Mesh(_) | Shape::HeightField(_))
+        !matches!(self, Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_))
+    }
+
+    /// Whether a body of this shape may be dynamic: it has an inside, and contacts know that. A closed mesh has one that they don't know.
+    pub fn can_move(&self) -> bool {
+        !matches!(self, Shape::Mesh(_)) && self.has_inside()
     }
 
     /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the
-    /// half-space, and closed meshes whose normals point outwards.
+    /// half-space, fields, and closed meshes whose normals point outwards.
     pub fn has_inside(&self) -> bool {
         self.mass_properties(1.0).is_some()
     }
@@ -127,6 +133,7 @@ impl Shape {
                 }
             }
             Shape::Mesh(mesh) => Ok(mesh.check()?),
+            Shape::Field(field) => Ok(field.mesh().check()?),
             Shape::HeightField(field) => Ok(field.check()?),
         }
     }

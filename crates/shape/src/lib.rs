@@ -6,6 +6,7 @@
 
 mod bounds;
 mod extent;
+mod field;
 mod frustum;
 mod height_field;
 mod hull;
@@ -16,12 +17,13 @@ mod polyhedron;
 mod principal;
 
 pub use bounds::UNBOUNDED;
+pub use field::{CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, Sample, Samples};
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
 pub use kind::ShapeError;
 pub use mass::MassProperties;
-pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport};
+pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport, NearestOnMesh, TrianglePart, nearest_on_triangle};
 
 use rockfall_math::Vec3;
 use std::sync::Arc;
@@ -99,6 +101,8 @@ pub enum Shape {
     },
     /// A triangle surface, open or closed, seen from the side of its normals. Immovable bodies only.
     Mesh(Arc<Mesh>),
+    /// The inside of a closed triangle surface, concave or with holes, as its signed distance.
+    Field(Arc<Field>),
     /// A surface z = h(x, y) over a regular grid. Immovable bodies only.
     HeightField(Arc<HeightField>),
 }

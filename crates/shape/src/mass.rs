@@ -60,6 +60,7 @@ impl Shape {
             Shape::Hull(hull) => solid(density, hull.triangles()),
             Shape::RoundedHull { hull, radius } => rounded::hull(density, hull, f64::from(*radius)),
             Shape::Mesh(mesh) if mesh.closed => solid(density, mesh.corners()),
+            Shape::Field(field) => solid(density, field.mesh().corners()),
             Shape::Mesh(_) | Shape::HeightField(_) | Shape::HalfSpace { .. } => None,
         }
     }

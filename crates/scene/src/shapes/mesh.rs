@@ -4,13 +4,21 @@ use super::{Cook, ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
 use crate::mesh_file;
 use crate::node::Table;
-use crate::spec::{POSITIVE, Spec, Ty, key, optional};
+use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
 use crate::terrain::{self, TERRAIN};
 use rockfall::Shape;
 use rockfall_math::Vec3;
 use rockfall_shape::Mesh;
 use std::path::Path;
 use std::sync::Arc;
+
+/// How a triangle surface is given.
+pub(super) static GEOMETRY: [Key; 4] = [
+    optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),
+    optional("vertices", Ty::Points, "Corners, m; with `triangles`."),
+    optional("triangles", Ty::Triangles, "Three indices into `vertices` each, counted from 0."),
+    key("scale", Ty::Number(POSITIVE), "1", "Multiplies the coordinates."),
+];
 
 pub(super) static MESH_KEYS: Spec = Spec {
     name: "mesh",
@@ -21,13 +29,7 @@ kind = "mesh"
 file = "meshes/valley.obj"
 scale = 0.01 # the file is in centimetres
 "#,
-    groups: &[&[
-        optional("file", Ty::Text, "An OBJ, STL, PLY, glTF or GLB file, its path from the scene file."),
-        optional("vertices", Ty::Points, "Corners, m; with `triangles`."),
-        optional("triangles", Ty::Triangles, "Three indices into `vertices` each, counted from 0."),
-        optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain."),
-        key("scale", Ty::Number(POSITIVE), "1", "Multiplies the coordinates."),
-    ]],
+    groups: &[&GEOMETRY, &[optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain.")]],
 };
 
 pub(super) static MESH: ShapeKind = ShapeKind {
@@ -39,14 +41,18 @@ pub(super) static MESH: ShapeKind = ShapeKind {
         let cells = table.table("terrain").map_or(0, |t| t.ints("cells").iter().product::<u64>());
         160 * (2 * cells + table.list("triangles").len() as u64) + 256
     },
-    check,
-    cook: |table, context| Ok(vec![cook(table, context)?]),
+    check: |table| check(table, SOURCES),
+    cook: |table, context| {
+        let (mesh, _) = read(table, context, SOURCES)?;
+        Ok(vec![Shape::Mesh(Arc::new(mesh))])
+    },
 };
 
 const SOURCES: &[&str] = &["file", "vertices", "terrain"];
 
-fn check(table: &Table) -> Result<(), Problem> {
-    let source = only_one_of(table, SOURCES)?;
+/// Whether one of the keys `sources` is given, and lists fit each other.
+pub(super) fn check(table: &Table, sources: &[&'static str]) -> Result<(), Problem> {
+    let source = only_one_of(table, sources)?;
     if (source == "vertices") != table.has("triangles") {
         let message = format!("`{}` has only one of `vertices` and `triangles`", table.path);
         return Err(Problem::at(table.span, message).expecting("both"));
@@ -62,8 +68,13 @@ fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
-    let source = only_one_of(table, SOURCES)?;
+/// The mesh, and the one of the keys `sources` that it comes from.
+pub(super) fn read(
+    table: &Table,
+    context: &Cook,
+    sources: &[&'static str],
+) -> Result<(Mesh, &'static str), Problem> {
+    let source = only_one_of(table, sources)?;
     let (mut vertices, triangles) = match source {
         "file" => {
             let soup =
@@ -82,7 +93,7 @@ fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
     let scale = table.f32("scale");
     vertices.iter_mut().for_each(|v| *v *= scale);
     let mesh = Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))?;
-    Ok(Shape::Mesh(Arc::new(mesh)))
+    Ok((mesh, source))
 }
 
 /// Terrain as triangles, each cell cut from (i, j) to (i + 1, j + 1) as in a height field.

@@ -80,13 +80,13 @@ impl World {
             .get(body.material.index())
             .ok_or(Error::Unknown { what: "material", index: body.material.0 })?;
         let sphere = matches!(shape, crate::Shape::Sphere { .. });
-        let inner_radius = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
+        let inner_radius = Some(shape.contact_scale()).filter(|r| r.is_finite()).unwrap_or_default();
         if body.kind != Kind::Dynamic {
             let radius = shape.radius_about(Vec3::ZERO);
             return Ok(Mass { radius, inner_radius, sphere, ..Mass::default() });
         }
         let unit = self.masses.get(&index).copied().or_else(|| shape.mass_properties(1.0));
-        let solid = unit.filter(|_| shape.is_convex() && shape.has_inside());
+        let solid = unit.filter(|_| shape.can_move());
         let unit = solid.ok_or(Error::Immovable { shape: shape.name() })?;
         let mut mass = unit.with_mass(unit.mass * material.density);
         if let Some(other) = &body.mass {
