@@ -152,7 +152,7 @@ def march(bodies, start, way, steps, far):
     return t, which
 
 
-def main(path):
+def draw(path, bodies):
     forward = (LOOK - EYE) / np.linalg.norm(LOOK - EYE)
     right = np.cross(forward, [0, 0, 1])
     right /= np.linalg.norm(right)
@@ -160,7 +160,6 @@ def main(path):
     # Two samples a side for each pixel.
     v, u = np.mgrid[0 : 2 * HEIGHT, 0 : 2 * WIDTH] / WIDTH - np.array([HEIGHT, WIDTH])[:, None, None] / WIDTH
     sun = SUN / np.linalg.norm(SUN)
-    bodies = scene()
     image = np.empty((2 * HEIGHT, 2 * WIDTH, 3))
     for band in range(0, 2 * HEIGHT, 80):
         part = slice(band, band + 80)
@@ -192,4 +191,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    draw(sys.argv[1], scene())

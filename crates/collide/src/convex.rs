@@ -43,7 +43,7 @@ impl<'a> Convex<'a> {
                 Convex::Capsule(Capsule { half_length: *half_length, radius: *radius })
             }
             Shape::Sphere { radius } => Convex::Sphere(*radius),
-            Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => return None,
+            Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) | Shape::Compound(_) => return None,
         })
     }
 

@@ -8,7 +8,6 @@
 use crate::closest::Closest;
 use crate::feature;
 use rockfall_math::{DVec3, Isometry, Vec3};
-use smallvec::SmallVec;
 
 /// A convex set that the walk can ask for its furthest point.
 pub(crate) trait Core {
@@ -317,16 +316,6 @@ fn nearest_on_triangle<A: Copy + Default, B: Copy + Default>(
         }
     }
     best
-}
-
-/// The point of a triangle nearest to the origin, and which of its corners span the feature that holds it: one a corner, two an edge.
-pub(crate) fn on_triangle(corners: [DVec3; 3]) -> (DVec3, SmallVec<[usize; 3]>) {
-    let mut whole = Simplex { count: 3, ..Simplex::default() };
-    for (k, w) in corners.into_iter().enumerate() {
-        whole.corners[k] = Corner { w, a: k, b: 0 };
-    }
-    let nearest = nearest_on_triangle(&whole, 0, 1, 2);
-    (nearest.point(), nearest.corners[..nearest.count].iter().map(|c| c.a).collect())
 }
 
 fn nearest_on_tetrahedron<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B>) -> Option<Simplex<A, B>> {

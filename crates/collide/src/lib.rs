@@ -5,7 +5,8 @@
 //!
 //! Each pair of shapes has the method that is exact for it: closed forms for round shapes, separating axes and
 //! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
-//! are corners and edges; cylinders, cones and ellipsoids have that walk too, and an expanding polytope where they overlap.
+//! are corners and edges; cylinders, cones and ellipsoids have that walk too, and an expanding polytope where they overlap. Signed distance
+//! fields are measured at points of the other surface.
 //! The results depend on the arguments alone, to the last bit.
 
 #![forbid(unsafe_code)]
@@ -19,6 +20,7 @@ mod core_poly;
 mod direction;
 mod ellipsoid;
 mod feature;
+mod field;
 mod form;
 mod frustum;
 mod gjk;
@@ -53,7 +55,7 @@ use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair, any number for a convex shape and a surface or where a compound takes part, none for two surfaces.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, for a field and anything else, and where a compound takes part; none for two surfaces.
 /// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
@@ -90,6 +92,7 @@ pub fn collide(
     }
     match (a, b) {
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => compound::collide(a, b, b_in_a, margin, out),
+        (Shape::Field(_), _) | (_, Shape::Field(_)) => field::collide(a, b, b_in_a, margin, out),
         (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
         (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {
@@ -109,7 +112,7 @@ pub fn collide(
 ///
 /// Of compounds it is the distance of the two parts that are nearest or overlap most: the way that parts them all may be longer.
 ///
-/// Nothing for two half-spaces, for meshes and height fields, and for a place that is not finite.
+/// Nothing for two half-spaces, for meshes, fields and height fields, and for a place that is not finite.
 ///
 /// # Examples
 /// ```

@@ -7,7 +7,7 @@ use rockfall_math::{Aabb, Isometry, Vec3};
 use rockfall_shape::Shape;
 
 /// Whether the bounded convex shape `a`, or a compound of such, and `b`, which may be of any kind, share a point. `b_in_a` places B in A's frame. A mesh is its triangles, from
-/// either side; a height field is solid all the way down.
+/// either side; a field is solid, and a height field all the way down.
 ///
 /// False where A is neither, or a number is not finite.
 pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
@@ -17,16 +17,19 @@ pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
     if is_compound(a) || is_compound(b) {
         return compound::overlaps(a, b, b_in_a);
     }
+    if !a.is_convex() {
+        return false;
+    }
     let sweep = still(&b_in_a.inverse());
     match b {
-        Shape::Mesh(_) | Shape::HeightField(_) => {
+        Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) => {
             Core::new(a, &sweep.a, 0.0).is_some_and(|core| touched(a, b, &core, &sweep).is_some())
         }
         _ => distance(a, b, b_in_a).is_some_and(|d| d.distance <= 0.0),
     }
 }
 
-/// How the bounded convex shape `a`, or a compound of such, and `b` overlap, in A's frame: the shortest translation of B out of A is `-distance` along `normal`. Out of meshes
+/// How the bounded convex shape `a`, or a compound of such, and `b` overlap, in A's frame: the shortest translation of B out of A is `-distance` along `normal`. Out of meshes, fields
 /// and height fields it is the deepest of the contacts that [`collide`] finds: A is pushed to the front of triangles.
 ///
 /// Of compounds it is that of the two parts that overlap most.
@@ -52,7 +55,7 @@ pub fn penetration(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> 
         return None;
     }
     match b {
-        Shape::Mesh(_) | Shape::HeightField(_) => {
+        Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) => {
             deepest(a, b, b_in_a).or_else(|| behind(a, b, &b_in_a.inverse()))
         }
         _ => distance(a, b, b_in_a),
@@ -67,7 +70,7 @@ fn is_compound(shape: &Shape) -> bool {
 pub(crate) fn from_the_start(a: &Shape, b: &Shape, core: &Core, sweep: &Sweep) -> Option<Toi> {
     let a_in_b = sweep.a.start;
     let overlap = match b {
-        Shape::Mesh(_) | Shape::HeightField(_) => {
+        Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) => {
             touched(a, b, core, sweep)?;
             deepest(a, b, &a_in_b.inverse()).or_else(|| behind(a, b, &a_in_b))
         }
@@ -89,6 +92,12 @@ fn still(a_in_b: &Isometry) -> Sweep {
 fn touched(a: &Shape, b: &Shape, core: &Core, sweep: &Sweep) -> Option<u64> {
     match b {
         Shape::Mesh(mesh) => first_triangle(a, &**mesh, core, sweep),
+        Shape::Field(field) => first_triangle(a, &**field.mesh(), core, sweep).or_else(|| {
+            // What touches no triangle is inside as a whole or not at all.
+            let middle = sweep.a.start.point(a.bounds().center());
+            let near = field.mesh().nearest(middle.as_dvec3(), f64::INFINITY)?;
+            (near.distance < 0.0).then_some(u64::from(near.triangle))
+        }),
         Shape::HeightField(field) => first_triangle(a, &**field, core, sweep),
         _ => None,
     }
@@ -139,6 +148,7 @@ fn behind(a: &Shape, b: &Shape, a_in_b: &Isometry) -> Option<Distance> {
     let triangle = touched(a, b, &core, &sweep)?;
     let (corners, front) = match b {
         Shape::Mesh(mesh) => (mesh.corners(triangle), Surface::normal(&**mesh, triangle)),
+        Shape::Field(field) => (field.mesh().corners(triangle), Surface::normal(&**field.mesh(), triangle)),
         Shape::HeightField(field) => (field.corners(triangle), field.normal(triangle)),
         _ => return None,
     };

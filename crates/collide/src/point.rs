@@ -1,9 +1,9 @@
 //! The signed distance of a point from a shape of any kind.
 
+use crate::compound;
 use crate::surface::Surface;
-use crate::{compound, gjk};
 use rockfall_math::{Aabb, DVec3, Isometry, Vec3, trig};
-use rockfall_shape::{HeightField, Mesh, Shape};
+use rockfall_shape::{HeightField, Mesh, Shape, TrianglePart, nearest_on_triangle};
 
 /// The point of a shape's surface that is nearest to a given point, in the frame of the shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +41,7 @@ pub fn nearest_point(shape: &Shape, p: DVec3, limit: f32) -> Option<Nearest> {
     }
     let near = match shape {
         Shape::Mesh(mesh) => mesh_point(mesh, p, limit)?,
+        Shape::Field(field) => mesh_point(field.mesh(), p, limit)?,
         Shape::HeightField(field) => field_point(field, p, limit)?,
         Shape::Compound(compound) => compound::nearest_point(compound, p, limit)?,
         _ => {
@@ -52,26 +53,35 @@ pub fn nearest_point(shape: &Shape, p: DVec3, limit: f32) -> Option<Nearest> {
     (near.distance <= limit).then_some(near)
 }
 
-/// The nearest of the triangles that were asked, the one with the lowest number where several are.
-struct Search<'a, S> {
-    surface: &'a S,
-    p: DVec3,
-    squared: f64,
-    nearest: Option<(u64, DVec3)>,
+fn mesh_point(mesh: &Mesh, p: DVec3, limit: f32) -> Option<Nearest> {
+    // A point inside may be further from the surface than the limit.
+    let within = p.cmpge(mesh.bounds.min.as_dvec3()).all() && p.cmple(mesh.bounds.max.as_dvec3()).all();
+    let limit = if mesh.closed && within { f32::INFINITY } else { limit };
+    let near = mesh.nearest(p, f64::from(limit))?;
+    let away = if near.distance == 0.0 { near.normal } else { (p - near.point) / near.distance };
+    Some(Nearest { distance: near.distance as f32, point: near.point.as_vec3(), normal: away.as_vec3() })
 }
 
-impl<'a, S: Surface> Search<'a, S> {
-    fn new(surface: &'a S, p: DVec3, limit: f64) -> Self {
+/// The nearest of the triangles of a height field that were asked, the one with the lowest number where several are.
+struct Search<'a> {
+    surface: &'a HeightField,
+    p: DVec3,
+    squared: f64,
+    nearest: Option<(u64, DVec3, TrianglePart)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(surface: &'a HeightField, p: DVec3, limit: f64) -> Self {
         Search { surface, p, squared: limit * limit, nearest: None }
     }
 
     fn ask(&mut self, triangle: u64) {
         let corners = self.surface.corners(triangle).map(|c| c.as_dvec3() - self.p);
-        let (to, _) = gjk::on_triangle(corners);
+        let (to, part) = nearest_on_triangle(corners);
         let squared = to.length_squared();
-        let known = self.nearest.map_or(u64::MAX, |(known, _)| known);
+        let known = self.nearest.map_or(u64::MAX, |(known, ..)| known);
         if squared < self.squared || (squared == self.squared && triangle < known) {
-            (self.squared, self.nearest) = (squared, Some((triangle, to)));
+            (self.squared, self.nearest) = (squared, Some((triangle, to, part)));
         }
     }
 
@@ -79,32 +89,19 @@ impl<'a, S: Surface> Search<'a, S> {
         self.squared.sqrt()
     }
 
-    /// What was found; `inside` is asked which side the point is on, and told the outward normal.
-    fn found(&self, inside: impl FnOnce(&DVec3, &DVec3) -> bool) -> Option<Nearest> {
-        let (triangle, to) = self.nearest?;
-        let normal = pseudonormal(self.surface, triangle, self.p);
-        let sign = if inside(&to, &normal) { -1.0 } else { 1.0 };
+    /// What was found.
+    fn found(&self, inside: bool) -> Option<Nearest> {
+        let (triangle, to, part) = self.nearest?;
+        let sign = if inside { -1.0 } else { 1.0 };
         let distance = self.distance();
-        let away = if distance > 0.0 { -to * (sign / distance) } else { normal };
+        let away =
+            if distance > 0.0 { -to * (sign / distance) } else { pseudonormal(self.surface, triangle, part) };
         Some(Nearest {
             distance: (sign * distance) as f32,
             point: (self.p + to).as_vec3(),
             normal: away.as_vec3(),
         })
     }
-}
-
-fn mesh_point(mesh: &Mesh, p: DVec3, limit: f32) -> Option<Nearest> {
-    // A point inside may be further from the surface than the limit.
-    let within = p.cmpge(mesh.bounds.min.as_dvec3()).all() && p.cmple(mesh.bounds.max.as_dvec3()).all();
-    let limit = if mesh.closed && within { f32::INFINITY } else { limit };
-    let mut search = Search::new(mesh, p, f64::from(limit));
-    let up = |x: f64| (x as f32).next_up();
-    mesh.tree.nearest(&Aabb::around(p, p), limit, |triangle, _| {
-        search.ask(u64::from(triangle));
-        up(search.distance())
-    });
-    search.found(|to, normal| to.dot(*normal) > 0.0)
 }
 
 /// Ring by ring of cells around the one that is nearest, seen from above.
@@ -137,10 +134,10 @@ fn field_point(field: &HeightField, p: DVec3, limit: f32) -> Option<Nearest> {
             }
         }
     }
-    search.found(|_, _| inside)
+    search.found(inside)
 }
 
-fn ask_cell(search: &mut Search<'_, HeightField>, i: u32, j: u32) {
+fn ask_cell(search: &mut Search<'_>, i: u32, j: u32) {
     let field = search.surface;
     let [[a, b, c], [_, _, d]] = field.cell(i, j);
     let area = Aabb::from_points([a, b, c, d]);
@@ -152,22 +149,20 @@ fn ask_cell(search: &mut Search<'_, HeightField>, i: u32, j: u32) {
     }
 }
 
-/// The outward direction, not of unit length, of the feature of a triangle that is nearest to `p`: its own normal, the sum of two at an edge, at a
-/// corner the sum over all triangles around it, weighted by their angles there.
-fn pseudonormal<S: Surface>(surface: &S, triangle: u64, p: DVec3) -> DVec3 {
+/// The outward direction, not of unit length, of a part of a triangle: its own normal, the sum of two at an edge, at a corner the sum over all triangles around it,
+/// weighted by their angles there.
+fn pseudonormal(surface: &HeightField, triangle: u64, part: TrianglePart) -> DVec3 {
     let own = surface.normal(triangle).as_dvec3();
-    let (_, feature) = gjk::on_triangle(surface.corners(triangle).map(|c| c.as_dvec3() - p));
-    match feature[..] {
-        [corner] => around_corner(surface, triangle, corner),
-        [from, to] => {
-            let edge = if (from + 1) % 3 == to { from } else { to };
+    match part {
+        TrianglePart::Corner(corner) => around_corner(surface, triangle, corner),
+        TrianglePart::Edge(edge) => {
             own + surface.neighbour(triangle, edge).map_or(own, |other| surface.normal(other).as_dvec3())
         }
-        _ => own,
+        TrianglePart::Face => own,
     }
 }
 
-fn around_corner<S: Surface>(surface: &S, triangle: u64, corner: usize) -> DVec3 {
+fn around_corner(surface: &HeightField, triangle: u64, corner: usize) -> DVec3 {
     let id = surface.ids(triangle)[corner];
     let weighted = |triangle: u64, corner: usize| {
         let corners = surface.corners(triangle);

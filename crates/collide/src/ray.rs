@@ -14,7 +14,7 @@ pub use by_distance::cast_ray_by_distance;
 
 use crate::{compound, round};
 use rockfall_math::{DVec3, Vec3};
-use rockfall_shape::{Frustum, Hull, Shape};
+use rockfall_shape::{Field, Frustum, Hull, Shape};
 
 /// The points `origin + t direction` with 0 ≤ t ≤ `max`, in the frame of the shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Ray {
 }
 
 /// The first point of a shape that the ray meets. Touching counts. A ray that starts in a convex shape meets it at t = 0 if
-/// it is `solid`, and where the ray leaves it if not; the word is that of `parry3d`. Meshes and height fields are surfaces: they are met from
+/// it is `solid`, and where the ray leaves it if not; the word is that of `parry3d`. A field is its mesh, but solid. Meshes and height fields are surfaces: they are met from
 /// either side, and have no inside. No ray slips through between two triangles of theirs that share an edge or a corner; one that lies in the
 /// plane of a triangle does not meet that one. Of a compound the first part that is met counts, also where that part's surface lies inside of another part.
 ///
@@ -87,6 +87,10 @@ pub fn cast_ray(shape: &Shape, ray: &Ray, solid: bool) -> Option<RayHit> {
     }
     match shape {
         Shape::Mesh(mesh) => surface::mesh(mesh, ray),
+        Shape::Field(field) if solid && is_inside(field, ray.origin) => {
+            Some(RayHit { t: 0.0, normal: Vec3::ZERO, part: INSIDE })
+        }
+        Shape::Field(field) => surface::mesh(field.mesh(), ray),
         Shape::HeightField(field) => surface::height_field(field, ray),
         Shape::Compound(parts) => compound::cast_ray(parts, ray, solid),
         Shape::RoundedBox { .. } | Shape::RoundedHull { .. } => cast_ray_by_distance(shape, ray, solid),
@@ -97,6 +101,10 @@ pub fn cast_ray(shape: &Shape, ray: &Ray, solid: bool) -> Option<RayHit> {
             Some(RayHit { t, normal, part })
         }
     }
+}
+
+fn is_inside(field: &Field, p: DVec3) -> bool {
+    field.mesh().nearest(p, f64::INFINITY).is_some_and(|near| near.distance < 0.0)
 }
 
 /// The stretch of a line that lies in a convex shape, and which parts of the surface it passes at its ends. May be infinite.
@@ -165,6 +173,7 @@ fn stretch(shape: &Shape, ray: &Ray) -> Option<Stretch> {
         Shape::RoundedBox { .. }
         | Shape::RoundedHull { .. }
         | Shape::Mesh(_)
+        | Shape::Field(_)
         | Shape::HeightField(_)
         | Shape::Compound(_) => None,
     }
@@ -201,6 +210,7 @@ fn normal(shape: &Shape, at: DVec3, part: u64) -> Vec3 {
         Shape::RoundedBox { .. }
         | Shape::RoundedHull { .. }
         | Shape::Mesh(_)
+        | Shape::Field(_)
         | Shape::HeightField(_)
         | Shape::Compound(_) => Vec3::ZERO,
     }

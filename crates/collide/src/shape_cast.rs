@@ -30,7 +30,7 @@ use rockfall_shape::Shape;
 /// assert_eq!(cast_shape(&ball, &cube, &start, 2.0 * Vec3::X), None);
 /// ```
 pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) -> Option<Toi> {
-    if !crate::is_finite(a_in_b) || !translation.is_finite() {
+    if !crate::is_finite(a_in_b) || !translation.is_finite() || !a.is_convex() {
         return None;
     }
     if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
@@ -49,6 +49,7 @@ pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) ->
     let course = Course { sweep: &sweep, inner: 0.0, target: 0.0 };
     match b {
         Shape::Mesh(mesh) => surface(&course, &core, &**mesh),
+        Shape::Field(field) => surface(&course, &core, &**field.mesh()),
         Shape::HeightField(field) => surface(&course, &core, &**field),
         Shape::HalfSpace { normal, offset } => {
             course.advance(&core, &Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)

@@ -195,7 +195,11 @@ fn collide<S: Surface>(
         | Shape::Ellipsoid { .. }
         | Shape::RoundedBox { .. }
         | Shape::RoundedHull { .. } => any(a, surface, surface_in_a, margin, out),
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => 0.0,
+        Shape::HalfSpace { .. }
+        | Shape::Mesh(_)
+        | Shape::Field(_)
+        | Shape::HeightField(_)
+        | Shape::Compound(_) => 0.0,
     }
 }
 

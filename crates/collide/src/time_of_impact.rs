@@ -39,7 +39,7 @@ pub struct Motion {
 /// How two bodies move over the same interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// Of the first shape, which is convex.
+    /// Of the first shape, which is convex or a field.
     pub a: Motion,
     /// Of the second.
     pub b: Motion,
@@ -99,7 +99,7 @@ impl Motion {
 /// of A's inner radius: where it comes near them or, if it was nearer than half of that radius from the start,
 /// where it has sunk in by so much.
 ///
-/// None as well where `a` is not convex or a number is not finite.
+/// Of a field A it is the ball inside ([`Field::inner_ball`](rockfall_shape::Field::inner_ball)) that is stopped. None as well where `a` is neither convex nor a field, or a number is not finite.
 pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
     let finite = [sweep.a, sweep.b].iter().all(|m| {
         let r = &m.start.rotation;
@@ -119,6 +119,7 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
             course.advance(&whole, &Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
         }
         Shape::Mesh(mesh) => course.surface(&Cores::new(a, whole), &**mesh),
+        Shape::Field(field) => course.surface(&Cores::new(a, whole), &**field.mesh()),
         Shape::HeightField(field) => course.surface(&Cores::new(a, whole), &**field),
         _ => {
             let core_b = Core::new(b, &sweep.b, 0.0)?;
@@ -260,6 +261,11 @@ impl Core {
                 (Set::Frustum(Frustum { half_length, lower, upper }, less * f.inner_ball().0), 0.0)
             }
             Shape::Ellipsoid { half } => (Set::Ellipsoid(left * *half), 0.0),
+            // A body is stopped by the ball that fits into it.
+            Shape::Field(field) => {
+                let (center, radius) = field.inner_ball();
+                (Set::Points([center].into_iter().collect()), left * radius)
+            }
             Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => {
                 return None;
             }

@@ -5,7 +5,7 @@ mod rounded;
 
 use lathe::Strip;
 use rockfall_math::{Isometry, Vec3, trig};
-use rockfall_shape::{Frustum, Hull, Shape};
+use rockfall_shape::{Frustum, Hull, Mesh, Shape};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 
@@ -63,11 +63,8 @@ impl Surface {
             Shape::Hull(hull) => flat(hull),
             Shape::RoundedHull { hull, radius } => rounded::rounded(hull, *radius),
             Shape::HalfSpace { normal, offset } => square(*normal, *normal * *offset, reach),
-            Shape::Mesh(mesh) => Surface {
-                positions: mesh.vertices.clone(),
-                normals: Vec::new(),
-                triangles: mesh.triangles.clone(),
-            },
+            Shape::Mesh(mesh) => triangles(mesh),
+            Shape::Field(field) => triangles(field.mesh()),
             Shape::Compound(compound) => {
                 let mut whole = Surface::default();
                 for part in compound.parts() {
@@ -112,6 +109,10 @@ impl Surface {
         }
         weld.surface
     }
+}
+
+fn triangles(mesh: &Mesh) -> Surface {
+    Surface { positions: mesh.vertices.clone(), normals: Vec::new(), triangles: mesh.triangles.clone() }
 }
 
 /// Puts a surface together from triangles whose corners know their normals; equal corners become one.

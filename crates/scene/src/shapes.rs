@@ -4,6 +4,7 @@ mod boulders;
 mod boxes;
 mod compound;
 mod decomposition;
+mod field;
 mod height_field;
 mod hull;
 mod mesh;
@@ -58,7 +59,7 @@ impl<'a> Cook<'a> {
     }
 }
 
-static KINDS: [&ShapeKind; 16] = [
+static KINDS: [&ShapeKind; 17] = [
     &round::SPHERE,
     &round::BOX,
     &round::CAPSULE,
@@ -70,6 +71,7 @@ static KINDS: [&ShapeKind; 16] = [
     &rounded::ROUNDED_HULL,
     &round::HALF_SPACE,
     &mesh::MESH,
+    &field::FIELD,
     &height_field::HEIGHT_FIELD,
     &compound::COMPOUND,
     &decomposition::DECOMPOSITION,
@@ -92,6 +94,7 @@ pub(crate) static SHAPES: Kinds = Kinds {
         &rounded::ROUNDED_HULL_KEYS,
         &round::HALF_SPACE_KEYS,
         &mesh::MESH_KEYS,
+        &field::FIELD_KEYS,
         &height_field::HEIGHT_FIELD_KEYS,
         &compound::COMPOUND_KEYS,
         &decomposition::DECOMPOSITION_KEYS,
@@ -152,7 +155,7 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
             (Vec3::ZERO, shape.radius_about(Vec3::ZERO))
         }
         Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => (hull.center, shape.radius_about(hull.center)),
-        Shape::Compound(_) => {
+        Shape::Field(_) | Shape::Compound(_) => {
             let center = shape.bounds().center();
             (center, shape.radius_about(center))
         }
@@ -163,7 +166,7 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
 /// A shape at another size.
 ///
 /// # Errors
-/// What hull cooking says of the scaled corners.
+/// What hull and mesh cooking say of the scaled corners.
 pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
     Ok(match shape {
         Shape::Sphere { radius } => Shape::Sphere { radius: radius * by },
@@ -194,6 +197,9 @@ pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
                 Some(solid) => whole.standing_for(solid.scaled(by)),
                 None => whole,
             }))
+        }
+        Shape::Field(field) if by != 1.0 => {
+            Shape::Field(Arc::new(field.scaled(by).map_err(|e| e.to_string())?))
         }
         other => other.clone(),
     })

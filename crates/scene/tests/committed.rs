@@ -1,6 +1,8 @@
 //! Files in the repository that are made from the code, and are what the code makes. `UPDATE=1 cargo test -p
 //! rockfall-scene` writes them anew.
 
+use rockfall_math::{Vec2, trig};
+use rockfall_shape::Mesh;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -73,6 +75,38 @@ fn hare() -> String {
         base = top + 1;
     }
     out
+}
+
+/// What comes from a lathe, as an OBJ file.
+fn turned(title: &str, line: &[[f32; 2]], parts: u32) -> String {
+    let line: Vec<Vec2> = line.iter().map(|p| Vec2::from(*p)).collect();
+    let mesh = Mesh::turned(&line, parts).unwrap();
+    assert!(mesh.closed);
+    let mut out = format!("# {title}, metres, z up. Made by crates/scene/tests/committed.rs.\n");
+    for v in &mesh.vertices {
+        // Without the sign of a zero.
+        let [x, y, z] = v.to_array().map(|x| (1e4 * x).round() / 1e4 + 0.0);
+        writeln!(out, "v {x} {y} {z}").unwrap();
+    }
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| i + 1);
+        writeln!(out, "f {a} {b} {c}").unwrap();
+    }
+    out
+}
+
+#[test]
+fn the_cup_and_the_ring_are_what_their_recipes_make() {
+    let cup = [[0.0, 0.0], [0.75, 0.0], [0.95, 1.0], [0.83, 1.0], [0.65, 0.12], [0.0, 0.12]];
+    let ring: Vec<[f32; 2]> = (0..12)
+        .map(|k| {
+            let (sin, cos) = trig::sin_cos(std::f32::consts::TAU * k as f32 / 12.0);
+            [0.2 + 0.06 * cos, 0.06 * sin]
+        })
+        .collect();
+    let meshes = repository().join("scenes/meshes");
+    is_up_to_date(&meshes.join("cup.obj"), &turned("A cup", &cup, 32));
+    is_up_to_date(&meshes.join("ring.obj"), &turned("A ring", &ring, 24));
 }
 
 #[test]

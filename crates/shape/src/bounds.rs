@@ -26,13 +26,14 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => hull.bounds.grown(*radius),
             Shape::HalfSpace { normal, offset } => half_space(*normal, f64::from(*offset)),
             Shape::Mesh(mesh) => mesh.bounds,
+            Shape::Field(field) => field.mesh().bounds,
             Shape::HeightField(field) => field.bounds,
             Shape::Compound(compound) => compound.bounds(),
         }
     }
 
     /// A box around the shape placed in the world, rounded outwards. The smallest one for convex shapes (up
-    /// to a millionth of their size); for turned meshes and height fields the one around their turned box; for compounds the one around the boxes of their parts. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
+    /// to a millionth of their size); for turned meshes, fields and height fields the one around their turned box; for compounds the one around the boxes of their parts. A half-space reaches to [`UNBOUNDED`] on all sides, but ends at its surface
     /// where its normal is along an axis.
     pub fn placed_bounds(&self, pose: &Pose) -> Aabb {
         match self {
@@ -65,7 +66,7 @@ impl Shape {
                 let turned = rotation::rotate(pose.rotation, *normal);
                 half_space(turned, f64::from(*offset) + turned.as_dvec3().dot(pose.position))
             }
-            Shape::Mesh(_) | Shape::HeightField(_) => {
+            Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) => {
                 let local = self.bounds();
                 local.grown(rounding(local.min.abs().max(local.max.abs()))).placed(pose)
             }

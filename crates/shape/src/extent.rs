@@ -5,7 +5,7 @@ use rockfall_math::Vec3;
 
 impl Shape {
     /// The point of a bounded convex shape that is farthest along `direction`, which need not be of unit
-    /// length. The first corner wins a tie. `None` for half-spaces, meshes, height fields and compounds.
+    /// length. The first corner wins a tie. `None` for half-spaces, meshes, fields, height fields and compounds.
     pub fn support(&self, direction: Vec3) -> Option<Vec3> {
         match self {
             Shape::Sphere { radius } => Some(direction.normalize_or_zero() * *radius),
@@ -29,7 +29,11 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => {
                 Some(hull.vertices[hull.support(direction)] + direction.normalize_or_zero() * *radius)
             }
-            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => None,
+            Shape::HalfSpace { .. }
+            | Shape::Mesh(_)
+            | Shape::Field(_)
+            | Shape::HeightField(_)
+            | Shape::Compound(_) => None,
         }
     }
 
@@ -54,6 +58,7 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => farthest(&mut hull.vertices.iter().copied()) + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Mesh(mesh) => farthest(&mut mesh.vertices.iter().copied()),
+            Shape::Field(field) => farthest(&mut field.mesh().vertices.iter().copied()),
             Shape::HeightField(field) => farthest(&mut field.samples()),
             Shape::Compound(compound) => {
                 compound.parts().iter().map(|part| part.radius_about(center)).fold(0.0, f32::max)
@@ -74,6 +79,7 @@ impl Shape {
             Shape::Hull(hull) => hull.inner_radius,
             Shape::RoundedHull { hull, radius } => hull.inner_radius + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
+            Shape::Field(field) => field.inner_ball().1,
             Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
             Shape::Compound(compound) => compound.thinnest().shape.inner_radius(),
         }
@@ -81,10 +87,21 @@ impl Shape {
 }
 
 impl Shape {
+    /// The length by which a body's contacts are measured, metres: how far ahead they are looked for, how long they follow the body. The inner radius; of a field, whose walls may be
+    /// thin, a quarter of its outer radius if that is more.
+    pub fn contact_scale(&self) -> f32 {
+        match self {
+            Shape::Field(_) => self.inner_radius().max(0.25 * self.radius_about(self.bounds().center())),
+            Shape::Compound(compound) => compound.thinnest().shape.contact_scale(),
+            _ => self.inner_radius(),
+        }
+    }
+
     /// The centre of the ball of [`Shape::inner_radius`], in the shape's frame; the origin for what has none.
     pub fn inner_center(&self) -> Vec3 {
         match self {
             Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => hull.center,
+            Shape::Field(field) => field.inner_ball().0,
             Shape::Cylinder { .. } | Shape::Cone { .. } => {
                 Frustum::of(self).map_or(Vec3::ZERO, |f| Vec3::Z * f.inner_ball().0)
             }

@@ -48,6 +48,7 @@ impl Shape {
             Shape::RoundedHull { .. } => "rounded hull",
             Shape::HalfSpace { .. } => "half-space",
             Shape::Mesh(_) => "mesh",
+            Shape::Field(_) => "field",
             Shape::HeightField(_) => "height field",
             Shape::Compound(_) => "compound",
         }
@@ -55,11 +56,11 @@ impl Shape {
 
     /// Whether the straight line between any two points of the shape stays in it. Half-spaces are convex.
     pub fn is_convex(&self) -> bool {
-        !matches!(self, Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_))
+        !matches!(self, Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) | Shape::Compound(_))
     }
 
     /// Whether the shape encloses a finite volume, so that it has a mass: all convex shapes but the
-    /// half-space, closed meshes whose normals point outwards, and compounds of such.
+    /// half-space, fields, closed meshes whose normals point outwards, and compounds of such.
     pub fn has_inside(&self) -> bool {
         self.mass_properties(1.0).is_some()
     }
@@ -140,6 +141,7 @@ impl Shape {
                 }
             }
             Shape::Mesh(mesh) => Ok(mesh.check()?),
+            Shape::Field(field) => Ok(field.mesh().check()?),
             Shape::HeightField(field) => Ok(field.check()?),
             // It was checked when it was made, and nobody can change it.
             Shape::Compound(_) => Ok(()),

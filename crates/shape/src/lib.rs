@@ -7,6 +7,7 @@
 mod bounds;
 mod compound;
 mod extent;
+mod field;
 mod frustum;
 mod height_field;
 mod hull;
@@ -18,12 +19,13 @@ mod principal;
 
 pub use bounds::UNBOUNDED;
 pub use compound::{Compound, CompoundError, Part};
+pub use field::{CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, Sample, Samples};
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
 pub use kind::ShapeError;
 pub use mass::MassProperties;
-pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport};
+pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport, NearestOnMesh, TrianglePart, nearest_on_triangle};
 
 use rockfall_math::Vec3;
 use std::sync::Arc;
@@ -101,6 +103,8 @@ pub enum Shape {
     },
     /// A triangle surface, open or closed, seen from the side of its normals. Immovable bodies only.
     Mesh(Arc<Mesh>),
+    /// The inside of a closed triangle surface, concave or with holes, as its signed distance.
+    Field(Arc<Field>),
     /// A surface z = h(x, y) over a regular grid. Immovable bodies only.
     HeightField(Arc<HeightField>),
     /// Several shapes at fixed places. Immovable bodies only where a part is for those only.

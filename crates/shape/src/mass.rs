@@ -72,6 +72,7 @@ impl Shape {
             Shape::Hull(hull) => solid(density, hull.triangles()),
             Shape::RoundedHull { hull, radius } => rounded::hull(density, hull, f64::from(*radius)),
             Shape::Mesh(mesh) if mesh.closed => solid(density, mesh.corners()),
+            Shape::Field(field) => solid(density, field.mesh().corners()),
             Shape::Mesh(_) | Shape::HeightField(_) | Shape::HalfSpace { .. } => None,
             Shape::Compound(parts) => {
                 parts.solid().map(|unit| unit.with_mass((density * f64::from(unit.mass)) as f32))

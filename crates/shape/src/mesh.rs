@@ -2,6 +2,10 @@
 
 mod adjacency;
 mod clean;
+mod nearest;
+mod turned;
+
+pub use nearest::{NearestOnMesh, TrianglePart, nearest_on_triangle};
 
 use crate::LARGEST;
 use rockfall_math::{Aabb, DVec3, Vec3};

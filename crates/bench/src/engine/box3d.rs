@@ -212,6 +212,7 @@ fn cook(shape: &Shape) -> Result<Cooked, Error> {
         }
         // None of the scenes has these.
         Shape::HalfSpace { .. }
+        | Shape::Field(_)
         | Shape::HeightField(_)
         | Shape::Cylinder { .. }
         | Shape::Cone { .. }

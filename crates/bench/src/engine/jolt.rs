@@ -280,6 +280,7 @@ fn cook(shape: &Shape, density: f32) -> Result<Cooked, Error> {
             }
             // None of the scenes has these.
             Shape::HalfSpace { .. }
+            | Shape::Field(_)
             | Shape::HeightField(_)
             | Shape::Cylinder { .. }
             | Shape::Cone { .. }

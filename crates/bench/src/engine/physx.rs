@@ -270,6 +270,7 @@ fn cook(library: &Library, shape: &Shape) -> Result<Cooked, Error> {
             }
             // None of the scenes has these.
             Shape::HalfSpace { .. }
+            | Shape::Field(_)
             | Shape::HeightField(_)
             | Shape::Cylinder { .. }
             | Shape::Cone { .. }

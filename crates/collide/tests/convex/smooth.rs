@@ -64,7 +64,7 @@ impl<'a> Body<'a> {
                     f64::INFINITY
                 }
             }
-            Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => f64::INFINITY,
+            Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) | Shape::Compound(_) => f64::INFINITY,
         };
         own + n.dot(self.origin)
     }
@@ -104,7 +104,7 @@ impl<'a> Body<'a> {
             Shape::Hull(h) => hull(h),
             Shape::RoundedHull { hull: h, radius } => hull(h) - f64::from(*radius),
             Shape::HalfSpace { normal, offset } => normal.as_dvec3().dot(p) - f64::from(*offset),
-            Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => f64::INFINITY,
+            Shape::Mesh(_) | Shape::Field(_) | Shape::HeightField(_) | Shape::Compound(_) => f64::INFINITY,
         }
     }
 

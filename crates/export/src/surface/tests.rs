@@ -1,6 +1,6 @@
 use super::*;
-use rockfall_math::DVec3;
-use rockfall_shape::{HeightField, Mesh};
+use rockfall_math::{DVec3, Pose};
+use rockfall_shape::{Compound, HeightField, Mesh};
 use std::sync::Arc;
 
 /// A lopsided polyhedron away from the origin.
@@ -167,4 +167,25 @@ fn surfaces_without_an_inside_are_what_they_are() {
     }
     let middle = 2.0 * normal;
     assert!(surface.positions.iter().all(|p| (p.distance(middle) - 200_f32.sqrt()).abs() < 1e-4));
+}
+
+#[test]
+fn compounds_are_their_parts_each_where_it_is() {
+    let cube = Shape::Box { half: Vec3::splat(0.5) };
+    let ball = Shape::Sphere { radius: 0.25 };
+    let turn = rockfall_math::Quat::from_xyzw(0.0, 0.6, 0.0, 0.8);
+    let at = |x: f64, rotation| Pose { position: DVec3::new(x, 1.0, 0.0), rotation };
+    let parts = [(cube.clone(), at(2.0, turn)), (ball.clone(), at(-1.0, turn))];
+    let whole = Surface::of(&Shape::Compound(Arc::new(Compound::new(parts).unwrap())), 0.0);
+    assert_closed(&whole, "compound");
+    let alone = [cube, ball].map(|shape| volume(&Surface::of(&shape, 0.0)));
+    assert!((volume(&whole) - alone[0] - alone[1]).abs() < 1e-6);
+    let corner = at(2.0, turn).point(Vec3::splat(0.5)).as_vec3();
+    let (_, normal) = whole
+        .positions
+        .iter()
+        .zip(&whole.normals)
+        .find(|(p, n)| p.distance(corner) < 1e-6 && n.y > 0.9)
+        .expect("a corner of the cube, on its upper side");
+    assert!((*normal - Vec3::Y).length() < 1e-6);
 }

@@ -70,13 +70,12 @@ pub(crate) fn is_decomposition(table: &Table) -> bool {
 
 /// Cuts up the mesh that a table describes.
 pub(crate) fn cook(table: &Table, context: &Cook<'_>) -> Result<Decomposition, Problem> {
-    let mesh = mesh::read(table, context)?;
+    let (mesh, source) = mesh::read(table, context)?;
     let options = Options {
         resolution: table.int("resolution") as u32,
         max_hulls: table.int("max_hulls") as u32,
         concavity: table.f32("concavity"),
         max_vertices: table.int("max_vertices") as u32,
     };
-    let source = if table.has("file") { "file" } else { "vertices" };
     decompose(&mesh, &options).map_err(|e| failed(table, source, e))
 }

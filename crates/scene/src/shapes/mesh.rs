@@ -42,7 +42,7 @@ pub(super) static MESH: ShapeKind = ShapeKind {
         160 * (2 * cells + table.list("triangles").len() as u64) + 256
     },
     check,
-    cook: |table, context| Ok(vec![Shape::Mesh(Arc::new(read(table, context)?))]),
+    cook: |table, context| Ok(vec![Shape::Mesh(Arc::new(read(table, context)?.0))]),
 };
 
 /// Where the triangles of a table with [`MESH_GROUP`] come from.
@@ -69,8 +69,8 @@ pub(super) fn check(table: &Table) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The mesh that a table with [`MESH_GROUP`] describes.
-pub(super) fn read(table: &Table, context: &Cook<'_>) -> Result<Mesh, Problem> {
+/// The mesh that a table with [`MESH_GROUP`] describes, and the key that it comes from.
+pub(super) fn read(table: &Table, context: &Cook<'_>) -> Result<(Mesh, &'static str), Problem> {
     let source = source(table)?;
     let (mut vertices, triangles) = match source {
         "file" => {
@@ -89,7 +89,8 @@ pub(super) fn read(table: &Table, context: &Cook<'_>) -> Result<Mesh, Problem> {
     };
     let scale = table.f32("scale");
     vertices.iter_mut().for_each(|v| *v *= scale);
-    Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))
+    let mesh = Mesh::from_triangles(&vertices, &triangles).map_err(|e| failed(table, source, e))?;
+    Ok((mesh, source))
 }
 
 /// Terrain as triangles, each cell cut from (i, j) to (i + 1, j + 1) as in a height field.

@@ -80,7 +80,7 @@ impl World {
             .get(body.material.index())
             .ok_or(Error::Unknown { what: "material", index: body.material.0 })?;
         let sphere = matches!(shape, Shape::Sphere { .. });
-        let inner_radius = Some(shape.inner_radius()).filter(|r| r.is_finite()).unwrap_or_default();
+        let inner_radius = Some(shape.contact_scale()).filter(|r| r.is_finite()).unwrap_or_default();
         if body.kind != Kind::Dynamic {
             let radius = shape.radius_about(Vec3::ZERO);
             return Ok(Mass { radius, inner_radius, sphere, ..Mass::default() });

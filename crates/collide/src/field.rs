@@ -1,0 +1,57 @@
+//! Contact of a signed distance field with any other shape, another field included.
+//!
+//! What flows in: two shapes, one of them a field at least. What flows out: manifolds, as many as there are directions in which they touch.
+//!
+//! Points of each body are measured in the other one's distance: the samples of a field (`shape::Samples`), corners and edges of everything else (`points.rs`). Most of them are never looked at: a ball
+//! around many points, further from the other body than it is wide, has none that is near.
+//!
+//! 1. `gather` finds the points that are near, with the direction in which the other body's distance grows.
+//! 2. `slide` moves those that are nearer than their neighbours along their own surface to where the distance is least, since the true contact lies between samples.
+//! 3. `cluster` makes manifolds of what looks the same way.
+//!
+//! The distance is off by no more than the error of the fields, and what is smaller than their spacing may be missed; a plane, a box or a mesh adds nothing of its own. A point counts only
+//! where the surfaces face each other: one of a floor beside what stands on it looks past the edge of that, and what has come through more than half of a thin wall finds the way out on the wrong side, and must not be pushed there.
+
+mod cluster;
+mod gather;
+mod points;
+mod side;
+mod slide;
+
+use crate::Manifold;
+use gather::Contact;
+use rockfall_math::Isometry;
+use rockfall_shape::Shape;
+use side::Side;
+
+/// Points up to this share of the spacing beyond the margin are looked at: the true contact may be nearer than they are.
+const SLACK: f32 = 0.5;
+
+/// Appends the manifolds; one of the shapes is a field. Returns a distance by which the samples of one are apart from the other shape, or 0.
+pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+    let spacing = [a, b].into_iter().fold(f32::INFINITY, |least, shape| match shape {
+        Shape::Field(field) => least.min(field.settings().spacing),
+        _ => least,
+    });
+    let reach = margin + SLACK * spacing;
+    let depth = [a, b].into_iter().fold(0.0_f32, |most, shape| match shape {
+        Shape::Field(_) => most.max(shape.contact_scale()),
+        _ => most,
+    });
+    let side_a = Side::new(a, Isometry::IDENTITY, depth);
+    let side_b = Side::new(b, *b_in_a, depth);
+    let mut contacts = Vec::new();
+    let least_a = gather::points_near(&side_a, &side_b, reach, spacing, false, &mut contacts);
+    let least_b = gather::points_near(&side_b, &side_a, reach, spacing, true, &mut contacts);
+    if contacts.is_empty() {
+        return (least_a.min(least_b) - SLACK * spacing).max(0.0);
+    }
+    slide::settle(&side_a, &side_b, spacing, &mut contacts);
+    let nearest = contacts.iter().fold(f32::INFINITY, |least: f32, c: &Contact| least.min(c.distance));
+    contacts.retain(|contact| contact.faces && contact.distance <= margin);
+    if contacts.is_empty() {
+        return nearest.max(0.0);
+    }
+    cluster::manifolds(&contacts, margin, out);
+    0.0
+}

@@ -1,0 +1,48 @@
+//! Manifolds of contacts that look the same way.
+//!
+//! A manifold holds a body by four points that share a normal; so contacts are sorted by normal alone: of those that look the same way, the four that span the largest area
+//! carry as much as all, wherever they are. Points that touch come first, by name, so that the same ones lead from step to step.
+
+use super::gather::Contact;
+use crate::reduce::reduce;
+use crate::{ContactPoint, Manifold};
+use rockfall_math::Vec3;
+
+/// Cosine of the largest angle between a contact and the one that leads its manifold: 25°.
+const ALIKE: f32 = 0.906;
+
+/// Appends the manifolds of contacts that are no further apart than `margin`.
+pub(super) fn manifolds(contacts: &[Contact], margin: f32, out: &mut Vec<Manifold>) {
+    let mut order: Vec<&Contact> = contacts.iter().collect();
+    order.sort_by_key(|contact| (contact.distance > 0.0, contact.name));
+    let mut clusters: Vec<Vec<&Contact>> = Vec::new();
+    for contact in order {
+        let nearest = clusters
+            .iter_mut()
+            .map(|cluster| (cluster[0].normal.dot(contact.normal), cluster))
+            .filter(|(cosine, _)| *cosine > ALIKE)
+            .max_by(|(a, _), (b, _)| a.total_cmp(b));
+        match nearest {
+            Some((_, cluster)) => cluster.push(contact),
+            None => clusters.push(vec![contact]),
+        }
+    }
+    out.extend(clusters.iter().map(|cluster| manifold(cluster, margin)));
+}
+
+fn manifold(cluster: &[&Contact], margin: f32) -> Manifold {
+    let deepest = cluster.iter().fold(f32::INFINITY, |least, c| least.min(c.distance));
+    // What is deep says most of the direction, and what only just came near nothing at all.
+    let scale = (margin - deepest).max(f32::MIN_POSITIVE);
+    let weight = |c: &Contact| {
+        let share = (margin - c.distance) / scale;
+        share * share * share * share
+    };
+    let sum: Vec3 = cluster.iter().map(|c| weight(c) * c.normal).sum();
+    let normal = sum.normalize_or(cluster[0].normal);
+    let points: Vec<ContactPoint> = cluster
+        .iter()
+        .map(|c| ContactPoint { position: c.position, distance: c.distance, feature: c.name })
+        .collect();
+    reduce(normal, &points)
+}

@@ -1,0 +1,81 @@
+//! One of the two shapes, in its place.
+
+use crate::point::nearest_point;
+use rockfall_math::{Isometry, Vec3};
+use rockfall_shape::{Field, Shape};
+
+/// A shape in A's frame.
+pub(super) struct Side<'a> {
+    pub(super) shape: &'a Shape,
+    /// Places the shape in A's frame.
+    pub(super) place: Isometry,
+    /// How far behind an open surface a point may be and still be pushed out, metres.
+    depth: f32,
+}
+
+/// Signed distance from a shape, and the direction out of it, in A's frame.
+#[derive(Clone, Copy)]
+pub(super) struct Near {
+    pub(super) distance: f32,
+    pub(super) normal: Vec3,
+}
+
+impl<'a> Side<'a> {
+    pub(super) fn new(shape: &'a Shape, place: Isometry, depth: f32) -> Self {
+        Side { shape, place, depth }
+    }
+
+    pub(super) fn field(&self) -> Option<&'a Field> {
+        match self.shape {
+            Shape::Field(field) => Some(field),
+            _ => None,
+        }
+    }
+
+    /// A distance that a point of A's frame surely has, if that is below `limit`, which only surfaces ask for.
+    #[inline]
+    pub(super) fn least_distance(&self, p: Vec3, limit: f32) -> Option<f32> {
+        match self.shape {
+            Shape::Field(field) => Some(field.least_distance(self.place.inverse_point(p))),
+            _ => self.nearest(p, limit).map(|near| near.distance),
+        }
+    }
+
+    /// Signed distance alone.
+    #[inline]
+    pub(super) fn distance(&self, p: Vec3, limit: f32) -> Option<f32> {
+        match self.shape {
+            Shape::Field(field) => Some(field.distance(self.place.inverse_point(p))),
+            _ => self.nearest(p, limit).map(|near| near.distance),
+        }
+    }
+
+    /// The point of the surface nearest to a point that is at most `limit` metres off it, exactly.
+    pub(super) fn foot(&self, p: Vec3, limit: f32) -> Option<Vec3> {
+        let Some(field) = self.field() else {
+            return self.nearest(p, limit).map(|near| p - near.distance * near.normal);
+        };
+        let own = self.place.inverse_point(p).as_dvec3();
+        let near = field.mesh().nearest(own, f64::from(limit))?;
+        Some(self.place.point(near.point.as_vec3()))
+    }
+
+    pub(super) fn nearest(&self, p: Vec3, limit: f32) -> Option<Near> {
+        let own = self.place.inverse_point(p);
+        let (distance, normal) = match self.shape {
+            Shape::Field(field) => {
+                let near = field.nearest(own);
+                (near.distance, near.normal)
+            }
+            Shape::Mesh(_) | Shape::HeightField(_) => {
+                let near = nearest_point(self.shape, own.as_dvec3(), limit.max(self.depth))?;
+                (near.distance, near.normal)
+            }
+            _ => {
+                let near = nearest_point(self.shape, own.as_dvec3(), f32::INFINITY)?;
+                (near.distance, near.normal)
+            }
+        };
+        Some(Near { distance, normal: self.place.vector(normal) })
+    }
+}

@@ -1,0 +1,377 @@
+//! Bodies of signed distance fields: rings hang in rings, bowls stand in bowls, and all of it calms down.
+
+mod common;
+
+use common::{Numbers, Stage, at, frames, rubs};
+use rockfall::math::{DVec3, Pose, Quat, Vec2, Vec3, rotation, trig};
+use rockfall::shape::{Field, FieldSettings, HeightField, Hull, Mesh};
+use rockfall::snapshot::{Reader, Writer};
+use rockfall::{Body, BodyId, Kind, Settings, Shape};
+use std::f32::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
+
+/// Of a link: from the axis to the middle of the tube, and the radius of the tube, metres.
+const RING: f32 = 0.035;
+const TUBE: f32 = 0.01;
+
+fn arc(center: Vec2, radius: f32, [from, until]: [f32; 2], parts: u32) -> impl Iterator<Item = Vec2> {
+    (0..=parts).map(move |k| {
+        let (sin, cos) = trig::sin_cos(from + (until - from) * k as f32 / parts as f32);
+        center + radius * Vec2::new(cos, sin)
+    })
+}
+
+fn field(line: impl Iterator<Item = Vec2>, parts: u32, error: f32) -> Shape {
+    let mesh = Mesh::turned(&line.collect::<Vec<_>>(), parts).expect("a line that turns");
+    Shape::Field(Arc::new(
+        Field::new(Arc::new(mesh), FieldSettings::with_error(error)).expect("it is closed"),
+    ))
+}
+
+fn link() -> Shape {
+    field(arc(Vec2::new(RING, 0.0), TUBE, [0.0, TAU * 23.0 / 24.0], 23), 48, 5e-4)
+}
+
+/// A half ball of 50 mm with a wall of 3 mm and a flat foot, its rim at z = 0.
+fn bowl() -> Shape {
+    let (outer, inner, foot, floor) = (0.05_f32, 0.047_f32, -0.045_f32, -0.042_f32);
+    let low = |radius: f32, z: f32| -trig::acos((radius * radius - z * z).sqrt() / radius);
+    let outside = arc(Vec2::ZERO, outer, [low(outer, foot), 0.0], 12);
+    let inside = arc(Vec2::ZERO, inner, [0.0, low(inner, floor)], 12);
+    let line = [Vec2::new(0.0, foot)].into_iter().chain(outside).chain(inside).chain([Vec2::new(0.0, floor)]);
+    field(line, 48, 5e-4)
+}
+
+fn settings() -> Settings {
+    Settings { continuous: true, ..frames() }
+}
+
+fn turned(axis: Vec3, angle: f32) -> Quat {
+    rotation::from_rotation_vector(axis * angle)
+}
+
+/// How often the middle line of one ring goes through the disc within that of another one: ±1 where they are linked.
+fn linking(a: &Pose, b: &Pose) -> i32 {
+    let through = |angle: f32| {
+        let (sin, cos) = trig::sin_cos(angle);
+        let p = b.point(Vec3::new(RING * cos, RING * sin, 0.0));
+        rotation::rotate(rotation::inverse(a.rotation), (p - a.position).as_vec3())
+    };
+    let mut count = 0;
+    for k in 0..720 {
+        let [p, q] = [k, k + 1].map(|k| through(TAU * k as f32 / 720.0));
+        if (p.z < 0.0) != (q.z < 0.0) {
+            let crossing = p + (q - p) * (p.z / (p.z - q.z));
+            count += if crossing.truncate().length() > RING {
+                0
+            } else if p.z < 0.0 {
+                1
+            } else {
+                -1
+            };
+        }
+    }
+    count
+}
+
+fn is_linked(stage: &Stage, a: BodyId, b: BodyId) -> bool {
+    let pose = |id| stage.world.pose(id).expect("it is there");
+    linking(&pose(a), &pose(b)).abs() == 1
+}
+
+/// Promise: a ring that hangs in another one hangs in it for ever, however the upper one is shaken: up to 1.2 m/s and back, four times a second.
+#[test]
+fn linked_rings_never_unlink() {
+    let mut stage = Stage::new(settings(), rubs(0.4, 0.2));
+    let link = stage.shape(link());
+    let upper = stage.put(Body {
+        kind: Kind::Kinematic,
+        ..stage.body(link, Pose { rotation: turned(Vec3::X, FRAC_PI_2), ..at(0.0, 0.0, 0.0) })
+    });
+    // Through the hole of the upper one, and let fall.
+    let pose = Pose { rotation: turned(Vec3::Y, FRAC_PI_2), ..at(0.0, 0.0, -0.035) };
+    let lower = stage.put(stage.body(link, pose));
+    assert!(is_linked(&stage, upper, lower));
+    for step in 0..600 {
+        let time = step as f32 / 60.0;
+        let (sin, cos) = trig::sin_cos(TAU * 4.0 * time);
+        let hard = if step > 60 { 1.2 } else { 0.0 };
+        stage
+            .world
+            .set_velocity(upper, hard * Vec3::new(0.4 * sin, 0.3 * cos, sin), Vec3::ZERO)
+            .expect("it is there");
+        stage.steps(1);
+        assert!(is_linked(&stage, upper, lower), "after {step} steps");
+    }
+    assert!(stage.all_finite());
+}
+
+/// A chain of links, each turned by a quarter against the one above, the first one held.
+fn chain(stage: &mut Stage, count: usize) -> Vec<BodyId> {
+    let link = stage.shape(link());
+    let rotations = [turned(Vec3::X, FRAC_PI_2), turned(Vec3::Y, FRAC_PI_2)];
+    (0..count)
+        .map(|k| {
+            let pose = Pose { rotation: rotations[k % 2], ..at(0.0, 0.0, -0.046 * k as f64) };
+            let body = stage.body(link, pose);
+            stage.put(if k == 0 { Body { kind: Kind::Static, ..body } } else { body })
+        })
+        .collect()
+}
+
+fn assert_chained(stage: &Stage, ids: &[BodyId], when: &str) {
+    for (k, pair) in ids.windows(2).enumerate() {
+        assert!(is_linked(stage, pair[0], pair[1]), "link {k} and the next {when}");
+    }
+}
+
+fn fastest(stage: &Stage) -> f32 {
+    stage.world.velocities().iter().map(|(v, w)| v.length() + RING * w.length()).fold(0.0, f32::max)
+}
+
+/// Promise: a chain of ten hangs, comes to rest, and is as long as its links are.
+#[test]
+fn a_chain_hangs() {
+    let mut stage = Stage::new(settings(), rubs(0.4, 0.0));
+    let ids = chain(&mut stage, 10);
+    assert_chained(&stage, &ids, "at the start");
+    stage.steps(300);
+    assert_chained(&stage, &ids, "after five seconds");
+    println!("fastest {} m/s, lowest {} m", fastest(&stage), stage.position(ids[9]).z);
+    assert!(fastest(&stage) < 0.01, "{} m/s", fastest(&stage));
+    // Each hangs lower by what is between the middles of two holes, 50 mm.
+    let length = -stage.position(ids[9]).z;
+    assert!((length - 9.0 * 0.05).abs() < 9.0 * 1.5e-3, "{length} m");
+}
+
+/// Promise: a ring of a hundred links, held by one, hangs for a minute.
+#[test]
+#[ignore = "3,600 steps of a hundred links: minutes"]
+fn a_ring_of_a_hundred_links_hangs_for_a_minute() {
+    let mut stage = Stage::new(settings(), rubs(0.4, 0.0));
+    let link = stage.shape(link());
+    let radius = 100.0 * 0.046 / f64::from(TAU);
+    let ids: Vec<BodyId> = (0..100)
+        .map(|k| {
+            let angle = TAU * k as f32 / 100.0;
+            let (sin, cos) = trig::sin_cos(angle);
+            // The way from link to link is along x before the turn about y; every second one is turned about that.
+            let own = turned(Vec3::X, if k % 2 == 0 { 0.0 } else { FRAC_PI_2 });
+            let rotation = rotation::compose(turned(Vec3::Y, angle), own);
+            let pose = Pose { rotation, ..at(radius * f64::from(sin), 0.0, radius * f64::from(cos)) };
+            let body = stage.body(link, pose);
+            stage.put(if k == 0 { Body { kind: Kind::Static, ..body } } else { body })
+        })
+        .collect();
+    let closed: Vec<BodyId> = ids.iter().chain(&ids[..1]).copied().collect();
+    assert_chained(&stage, &closed, "at the start");
+    for second in 0..60 {
+        stage.steps(60);
+        assert_chained(&stage, &closed, &format!("after {second} s"));
+        println!(
+            "{second} s: fastest {:.4} m/s, {:?}",
+            fastest(&stage),
+            stage.world.report().deepest_penetration
+        );
+    }
+    assert!(fastest(&stage) < 0.05, "{} m/s", fastest(&stage));
+}
+
+/// Bowls one in the other, as they were let go a few millimetres above each other.
+fn nest(count: usize) -> (Stage, Vec<BodyId>) {
+    let mut stage = Stage::on_ground(settings(), rubs(0.4, 0.0));
+    let shape = stage.shape(bowl());
+    let ids = (0..count).map(|k| {
+        let pose =
+            Pose { rotation: turned(Vec3::Z, 0.1 * k as f32), ..at(0.0, 0.0, 0.0455 + 0.02 * k as f64) };
+        stage.put(stage.body(shape, pose))
+    });
+    let ids = ids.collect();
+    (stage, ids)
+}
+
+fn assert_nested(stage: &Stage, ids: &[BodyId]) {
+    // The outer ball of each rests on the rim of the inner one of the bowl below: √(50² − 47²) mm higher. Flat strips are up to a hundredth of a tenth nearer to the axis.
+    let step = (0.05_f64 * 0.05 - 0.047 * 0.047).sqrt();
+    for (k, id) in ids.iter().enumerate() {
+        let pose = stage.world.pose(*id).expect("it is there");
+        let height = 0.045 + step * k as f64;
+        assert!((pose.position.z - height).abs() < 1e-3 * (k + 1) as f64, "bowl {k} at {}", pose.position);
+        assert!(pose.position.truncate().length() < 5e-3, "bowl {k} at {}", pose.position);
+        let up = rotation::rotate(pose.rotation, Vec3::Z);
+        assert!(up.z > 0.995, "bowl {k} leans: {up}");
+    }
+}
+
+#[test]
+fn twenty_bowls_nest() {
+    let (mut stage, ids) = nest(20);
+    stage.steps(240);
+    println!("fastest {} m/s, top {}", fastest(&stage), stage.position(ids[19]));
+    assert_nested(&stage, &ids);
+    assert!(fastest(&stage) < 0.01, "{} m/s", fastest(&stage));
+}
+
+#[test]
+#[ignore = "600 steps of two hundred bowls: minutes"]
+fn two_hundred_bowls_nest() {
+    let (mut stage, ids) = nest(200);
+    stage.steps(600);
+    println!("fastest {} m/s, top {}", fastest(&stage), stage.position(ids[199]));
+    for pair in ids.windows(2) {
+        let [low, high] = [0, 1].map(|k| stage.position(pair[k]));
+        let step = (high - low).length();
+        assert!(step > 0.012 && step < 0.024, "{low} {high}");
+    }
+}
+
+/// Floors of every kind whose top is z = 0, with names.
+fn floors() -> Vec<(&'static str, Shape, f64)> {
+    let half = Vec3::new(0.8, 0.8, 0.1);
+    let corners = [[-0.8, -0.8], [0.8, -0.8], [0.8, 0.8], [-0.8, 0.8]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let mesh = Mesh::from_triangles(&corners, &[[0, 1, 2], [0, 2, 3]]).expect("a square");
+    let plain = HeightField::new(17, 17, Vec2::splat(0.1), vec![0.0; 289]).expect("a plain");
+    let drum = [[0.0, -0.1], [0.8, -0.1], [0.8, 0.0], [0.0, 0.0]].map(Vec2::from);
+    vec![
+        ("half-space", Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 }, 0.0),
+        ("box", Shape::Box { half }, -0.1),
+        ("hull", Shape::Hull(Arc::new(Hull::cuboid(half))), -0.1),
+        ("mesh", Shape::Mesh(Arc::new(mesh)), 0.0),
+        ("height field", Shape::HeightField(Arc::new(plain)), 0.0),
+        ("field", field(drum.into_iter(), 32, 5e-3), 0.0),
+    ]
+}
+
+/// Promise: a ring and a bowl that stand on a floor of any kind stand still: from the second second on to 20 µm and 100 µrad.
+#[test]
+fn what_stands_stands_still() {
+    for (name, floor, height) in floors() {
+        let mut stage = Stage::new(settings(), rubs(0.5, 0.0));
+        let shape = stage.shape(floor);
+        stage.put(Body::fixed(shape, stage.material, at(0.0, 0.0, height)));
+        let shapes = [(link(), 0.01), (bowl(), 0.045)];
+        let ids: Vec<BodyId> = shapes
+            .into_iter()
+            .enumerate()
+            .map(|(k, (shape, z))| {
+                let shape = stage.shape(shape);
+                stage.put(stage.body(shape, at(0.2 * k as f64 - 0.1, 0.05, z + 1e-4)))
+            })
+            .collect();
+        stage.steps(60);
+        let before: Vec<Pose> = ids.iter().map(|id| stage.world.pose(*id).expect("it is there")).collect();
+        stage.steps(180);
+        for (id, before) in ids.iter().zip(before) {
+            let after = stage.world.pose(*id).expect("it is there");
+            let way = (after.position - before.position).length();
+            let q = rotation::compose(after.rotation, rotation::inverse(before.rotation));
+            let turn = 2.0 * Vec3::new(q.x, q.y, q.z).length();
+            println!("{name}: {way:e} m, {turn:e} rad");
+            assert!(way < 2e-5 && turn < 1e-4, "on a {name} it went {way} m and turned {turn}");
+        }
+    }
+}
+
+/// Rings, bowls and other shapes, dropped on each other.
+fn heap(settings: Settings, count: usize) -> Stage {
+    let mut stage = Stage::on_ground(settings, rubs(0.5, 0.0));
+    let shapes = [
+        link(),
+        bowl(),
+        Shape::Sphere { radius: 0.02 },
+        Shape::Box { half: Vec3::new(0.03, 0.02, 0.01) },
+        Shape::Cylinder { half_length: 0.02, radius: 0.015 },
+    ]
+    .map(|shape| stage.shape(shape));
+    let mut numbers = Numbers(9);
+    for k in 0..count {
+        let [x, y] = [0, 1].map(|_| 0.04 * (numbers.next() - 0.5));
+        let pose = Pose { rotation: numbers.rotation(), ..at(x, y, 0.08 + 0.07 * k as f64) };
+        stage.put(stage.body(shapes[k % shapes.len()], pose));
+    }
+    stage
+}
+
+/// Promise: nothing adds energy: without restitution a heap never has more of it than before, to a thousandth of what it started with, and it calms down.
+#[test]
+fn a_heap_never_gains_energy_and_calms_down() {
+    let mut stage = heap(settings(), 15);
+    stage.steps(1);
+    let start = stage.total_energy();
+    let mut least = start;
+    for step in 0..360 {
+        stage.steps(1);
+        let now = stage.total_energy();
+        assert!(now < least + 1e-3 * start, "{now} J after {least} J at step {step}");
+        least = least.min(now);
+    }
+    println!("fastest {} m/s, deepest {} m", fastest(&stage), stage.world.report().deepest_penetration);
+    assert!(fastest(&stage) < 0.05, "{} m/s", fastest(&stage));
+    assert!(stage.all_finite());
+    for pose in stage.world.poses() {
+        assert!(pose.position.z > 0.0, "{}", pose.position);
+    }
+}
+
+#[test]
+fn any_number_of_threads_and_a_snapshot_make_the_same_heap() {
+    let run = |threads| {
+        let mut stage = heap(Settings { threads, ..settings() }, 20);
+        stage.steps(90);
+        stage
+    };
+    let (one, three) = (run(1), run(3));
+    assert_eq!(one.world.hash(), three.world.hash());
+    let mut bytes = Vec::new();
+    let mut writer = Writer::new(&mut bytes).expect("it can be written");
+    one.world.save(&mut writer).expect("it can be written");
+    writer.finish().expect("it can be written");
+    let mut again = heap(settings(), 0);
+    let mut from = &bytes[..];
+    let mut reader = Reader::new(&mut from).expect("it can be read");
+    again.world.load(&mut reader).expect("it can be read");
+    let mut first = one;
+    first.steps(60);
+    again.steps(60);
+    assert_eq!(first.world.hash(), again.world.hash());
+}
+
+/// Promise: what is asked of the world finds the mesh of a field to the last digit, and its inside.
+#[test]
+fn queries_meet_the_mesh_and_its_inside() {
+    use rockfall::{Cast, Filter};
+    let mut stage = Stage::new(settings(), rubs(0.5, 0.0));
+    let ring = stage.shape(link());
+    let id = stage.put(stage.body(ring, at(0.0, 0.0, 1.0)));
+    let down = |x: f64| rockfall::Ray {
+        origin: DVec3::new(x, 0.0, 2.0),
+        direction: Vec3::NEG_Z,
+        max_distance: 10.0,
+        solid: true,
+    };
+    let hit =
+        stage.world.cast_ray(&down(f64::from(RING)), &Filter::default()).expect("it is aimed at the tube");
+    assert!(hit.body == id && (hit.distance - 0.99).abs() < 1e-4, "{hit:?}");
+    assert!(stage.world.cast_ray(&down(0.0), &Filter::default()).is_none(), "through the hole");
+    let near =
+        stage.world.nearest_point(DVec3::new(0.0, 0.0, 1.0), 1.0, &Filter::default()).expect("it is near");
+    assert!((near.distance - (RING - TUBE)).abs() < 2e-4, "{near:?}");
+    let inside = stage.world.nearest_point(DVec3::new(f64::from(RING), 0.0, 1.0), 1.0, &Filter::default());
+    assert!((inside.expect("it is near").distance + TUBE).abs() < 2e-4);
+    let ball = Shape::Sphere { radius: 0.005 };
+    let cast = |x: f64| Cast { pose: at(x, 0.0, 2.0), translation: Vec3::new(0.0, 0.0, -2.0) };
+    let hits = stage
+        .world
+        .cast_shapes(&ball, &[cast(0.0), cast(f64::from(RING))], &Filter::default())
+        .expect("a ball");
+    assert!(hits[0].is_none() && (hits[1].expect("the tube").time - 0.4925).abs() < 1e-4, "{hits:?}");
+    let places = [at(0.0, 0.0, 1.0), at(f64::from(RING), 0.0, 1.0)];
+    let found = stage.world.overlaps(&ball, &places, &Filter::default()).expect("a ball");
+    assert!(found.get(0).is_empty() && found.get(1) == [id]);
+    let deep = stage
+        .world
+        .penetrations(&ball, &[at(f64::from(RING + TUBE), 0.0, 1.0)], &Filter::default())
+        .expect("a ball");
+    let deep = deep.get(0)[0];
+    assert!((deep.depth - 0.005).abs() < 1e-3 && deep.normal.x > 0.99, "{deep:?}");
+}
