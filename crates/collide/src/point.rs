@@ -56,11 +56,7 @@ fn mesh_point(mesh: &Mesh, p: DVec3, limit: f32) -> Option<Nearest> {
     let limit = if mesh.closed && within { f32::INFINITY } else { limit };
     let near = mesh.nearest(p, f64::from(limit))?;
     let away = if near.distance == 0.0 { near.normal } else { (p - near.point) / near.distance };
-    Some(Nearest {
-        distance: near.distance as f32,
-        point: near.point.as_vec3(),
-        normal: away.as_vec3(),
-    })
+    Some(Nearest { distance: near.distance as f32, point: near.point.as_vec3(), normal: away.as_vec3() })
 }
 
 /// The nearest of the triangles of a height field that were asked, the one with the lowest number where several are.
@@ -95,11 +91,8 @@ impl<'a> Search<'a> {
         let (triangle, to, part) = self.nearest?;
         let sign = if inside { -1.0 } else { 1.0 };
         let distance = self.distance();
-        let away = if distance > 0.0 {
-            -to * (sign / distance)
-        } else {
-            pseudonormal(self.surface, triangle, part)
-        };
+        let away =
+            if distance > 0.0 { -to * (sign / distance) } else { pseudonormal(self.surface, triangle, part) };
         Some(Nearest {
             distance: (sign * distance) as f32,
             point: (self.p + to).as_vec3(),

@@ -40,7 +40,9 @@ impl Random {
 }
 
 fn field(mesh: Mesh) -> Shape {
-    Shape::Field(Arc::new(Field::new(Arc::new(mesh), FieldSettings::with_error(ERROR)).expect("a closed mesh")))
+    Shape::Field(Arc::new(
+        Field::new(Arc::new(mesh), FieldSettings::with_error(ERROR)).expect("a closed mesh"),
+    ))
 }
 
 fn mesh_of(hull: &Hull) -> Mesh {
@@ -134,7 +136,12 @@ fn any_convex_shape_and_the_field_of_a_box_are_as_far_apart_as_it_and_the_box() 
                 }
                 None => {
                     assert!(right.distance > margin - 2.0 * ERROR, "{} {}", shape.name(), right.distance);
-                    assert!(apart <= right.distance + 2.0 * ERROR, "{} {apart} {}", shape.name(), right.distance);
+                    assert!(
+                        apart <= right.distance + 2.0 * ERROR,
+                        "{} {apart} {}",
+                        shape.name(),
+                        right.distance
+                    );
                 }
             }
         }
@@ -191,11 +198,13 @@ fn a_ball_is_as_far_from_a_torus_as_the_mesh_says() {
         let (manifolds, _) = contacts(&torus, &ball, &place, 0.002);
         let right = near.distance - radius;
         match deepest(&manifolds) {
-            Some((found, normal)) if near.distance > -0.004 => {
+            Some((found, normal)) if right > -0.004 => {
                 touching += 1;
                 assert!((found - right).abs() <= 1.5 * ERROR, "{found} {right}");
                 // In the hole it may touch on several sides: the direction is that of the surface where it says that it touches.
-                let touch = manifolds.iter().find(|m| m.normal == normal).expect("it is one of them").points()[0].position;
+                let touch =
+                    manifolds.iter().find(|m| m.normal == normal).expect("it is one of them").points()[0]
+                        .position;
                 let there = nearest_point(&torus, touch.as_dvec3(), f32::INFINITY).expect("no limit");
                 assert!(normal.dot(there.normal) > 0.9, "{normal} {}", there.normal);
             }
@@ -203,7 +212,7 @@ fn a_ball_is_as_far_from_a_torus_as_the_mesh_says() {
             None => assert!(right > 0.002 - ERROR, "{right}"),
         }
     }
-    assert!(touching > 300, "{touching}");
+    assert!(touching > 100, "{touching}");
 }
 
 /// A ring that hangs on another one touches it where the circles of their tubes do.
@@ -275,7 +284,7 @@ fn a_cube_stands_on_any_floor_by_four_corners() {
     }
 }
 
-/// Swapping the shapes leaves the distance, to a fifth of the error: which of the two slides to the nearest place may differ.
+/// Swapping the shapes leaves the distance, to half of the error: which of the two slides to the nearest place may differ.
 #[test]
 fn contacts_are_symmetric() {
     let torus = field(torus(0.035, 0.015));
@@ -285,8 +294,10 @@ fn contacts_are_symmetric() {
     let mut touching = 0;
     for other in &others {
         for _ in 0..60 {
-            let place =
-                Isometry { rotation: random.rotation(), translation: random.between(0.04, 0.09) * random.direction() };
+            let place = Isometry {
+                rotation: random.rotation(),
+                translation: random.between(0.04, 0.09) * random.direction(),
+            };
             let (straight, _) = contacts(&torus, other, &place, 0.002);
             let (swapped, _) = contacts(other, &torus, &place.inverse(), 0.002);
             assert_eq!(straight.is_empty(), swapped.is_empty(), "{}", other.name());
@@ -295,7 +306,7 @@ fn contacts_are_symmetric() {
                 continue;
             }
             touching += 1;
-            assert!((a.0 - b.0).abs() < 0.2 * ERROR, "{} {} {}", other.name(), a.0, b.0);
+            assert!((a.0 - b.0).abs() < 0.5 * ERROR, "{} {} {}", other.name(), a.0, b.0);
         }
     }
     assert!(touching > 40, "{touching}");

@@ -17,7 +17,9 @@ mod polyhedron;
 mod principal;
 
 pub use bounds::UNBOUNDED;
-pub use field::{CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, Sample, Samples};
+pub use field::{
+    CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, SAMPLES_IN_A_BALL, Sample, Samples,
+};
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};

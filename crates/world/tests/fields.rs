@@ -6,9 +6,9 @@ use common::{Numbers, Stage, at, frames, rubs};
 use rockfall::math::{DVec3, Pose, Quat, Vec2, Vec3, rotation, trig};
 use rockfall::shape::{Field, FieldSettings, HeightField, Hull, Mesh};
 use rockfall::snapshot::{Reader, Writer};
-use rockfall::{Body, BodyId, Kind, Settings, Shape};
+use rockfall::{Body, BodyId, Kind, Material, Settings, Shape};
 use std::f32::consts::{FRAC_PI_2, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Of a link: from the axis to the middle of the tube, and the radius of the tube, metres.
 const RING: f32 = 0.035;
@@ -23,21 +23,29 @@ fn arc(center: Vec2, radius: f32, [from, until]: [f32; 2], parts: u32) -> impl I
 
 fn field(line: impl Iterator<Item = Vec2>, parts: u32, error: f32) -> Shape {
     let mesh = Mesh::turned(&line.collect::<Vec<_>>(), parts).expect("a line that turns");
-    Shape::Field(Arc::new(Field::new(Arc::new(mesh), FieldSettings::with_error(error)).expect("it is closed")))
+    let settings = FieldSettings { error, spacing: 2.0 * error };
+    Shape::Field(Arc::new(Field::new(Arc::new(mesh), settings).expect("it is closed")))
 }
 
 fn link() -> Shape {
-    field(arc(Vec2::new(RING, 0.0), TUBE, [0.0, TAU * 23.0 / 24.0], 23), 48, 5e-4)
+    static LINK: OnceLock<Shape> = OnceLock::new();
+    LINK.get_or_init(|| field(arc(Vec2::new(RING, 0.0), TUBE, [0.0, TAU * 23.0 / 24.0], 23), 48, 1e-3))
+        .clone()
 }
 
-/// A half ball of 50 mm with a wall of 3 mm and a flat foot, its rim at z = 0.
+/// A half ball of 50 mm with a wall of 4 mm and a flat foot, its rim at z = 0.
 fn bowl() -> Shape {
-    let (outer, inner, foot, floor) = (0.05_f32, 0.047_f32, -0.045_f32, -0.042_f32);
+    static BOWL: OnceLock<Shape> = OnceLock::new();
+    BOWL.get_or_init(thrown).clone()
+}
+
+fn thrown() -> Shape {
+    let (outer, inner, foot, floor) = (0.05_f32, 0.046_f32, -0.045_f32, -0.041_f32);
     let low = |radius: f32, z: f32| -trig::acos((radius * radius - z * z).sqrt() / radius);
     let outside = arc(Vec2::ZERO, outer, [low(outer, foot), 0.0], 12);
     let inside = arc(Vec2::ZERO, inner, [0.0, low(inner, floor)], 12);
     let line = [Vec2::new(0.0, foot)].into_iter().chain(outside).chain(inside).chain([Vec2::new(0.0, floor)]);
-    field(line, 48, 5e-4)
+    field(line, 48, 1e-3)
 }
 
 fn settings() -> Settings {
@@ -60,7 +68,13 @@ fn linking(a: &Pose, b: &Pose) -> i32 {
         let [p, q] = [k, k + 1].map(|k| through(TAU * k as f32 / 720.0));
         if (p.z < 0.0) != (q.z < 0.0) {
             let crossing = p + (q - p) * (p.z / (p.z - q.z));
-            count += if crossing.truncate().length() > RING { 0 } else if p.z < 0.0 { 1 } else { -1 };
+            count += if crossing.truncate().length() > RING {
+                0
+            } else if p.z < 0.0 {
+                1
+            } else {
+                -1
+            };
         }
     }
     count
@@ -76,7 +90,10 @@ fn is_linked(stage: &Stage, a: BodyId, b: BodyId) -> bool {
 fn linked_rings_never_unlink() {
     let mut stage = Stage::new(settings(), rubs(0.4, 0.2));
     let link = stage.shape(link());
-    let upper = stage.put(Body { kind: Kind::Kinematic, ..stage.body(link, Pose { rotation: turned(Vec3::X, FRAC_PI_2), ..at(0.0, 0.0, 0.0) }) });
+    let upper = stage.put(Body {
+        kind: Kind::Kinematic,
+        ..stage.body(link, Pose { rotation: turned(Vec3::X, FRAC_PI_2), ..at(0.0, 0.0, 0.0) })
+    });
     // Through the hole of the upper one, and let fall.
     let pose = Pose { rotation: turned(Vec3::Y, FRAC_PI_2), ..at(0.0, 0.0, -0.035) };
     let lower = stage.put(stage.body(link, pose));
@@ -85,7 +102,10 @@ fn linked_rings_never_unlink() {
         let time = step as f32 / 60.0;
         let (sin, cos) = trig::sin_cos(TAU * 4.0 * time);
         let hard = if step > 60 { 1.2 } else { 0.0 };
-        stage.world.set_velocity(upper, hard * Vec3::new(0.4 * sin, 0.3 * cos, sin), Vec3::ZERO).expect("it is there");
+        stage
+            .world
+            .set_velocity(upper, hard * Vec3::new(0.4 * sin, 0.3 * cos, sin), Vec3::ZERO)
+            .expect("it is there");
         stage.steps(1);
         assert!(is_linked(&stage, upper, lower), "after {step} steps");
     }
@@ -121,7 +141,16 @@ fn a_chain_hangs() {
     let mut stage = Stage::new(settings(), rubs(0.4, 0.0));
     let ids = chain(&mut stage, 10);
     assert_chained(&stage, &ids, "at the start");
-    stage.steps(300);
+    for second in 0..5 {
+        stage.steps(60);
+        let (v, w) = stage.velocity(ids[9]);
+        println!(
+            "{second}: fastest {} m/s, last {v} {w}, {:e} J, {} manifolds",
+            fastest(&stage),
+            stage.world.report().kinetic_energy,
+            stage.world.report().manifolds
+        );
+    }
     assert_chained(&stage, &ids, "after five seconds");
     println!("fastest {} m/s, lowest {} m", fastest(&stage), stage.position(ids[9]).z);
     assert!(fastest(&stage) < 0.01, "{} m/s", fastest(&stage));
@@ -154,7 +183,11 @@ fn a_ring_of_a_hundred_links_hangs_for_a_minute() {
     for second in 0..60 {
         stage.steps(60);
         assert_chained(&stage, &closed, &format!("after {second} s"));
-        println!("{second} s: fastest {:.4} m/s, {:?}", fastest(&stage), stage.world.report().deepest_penetration);
+        println!(
+            "{second} s: fastest {:.4} m/s, {:?}",
+            fastest(&stage),
+            stage.world.report().deepest_penetration
+        );
     }
     assert!(fastest(&stage) < 0.05, "{} m/s", fastest(&stage));
 }
@@ -164,7 +197,8 @@ fn nest(count: usize) -> (Stage, Vec<BodyId>) {
     let mut stage = Stage::on_ground(settings(), rubs(0.4, 0.0));
     let shape = stage.shape(bowl());
     let ids = (0..count).map(|k| {
-        let pose = Pose { rotation: turned(Vec3::Z, 0.1 * k as f32), ..at(0.0, 0.0, 0.0455 + 0.02 * k as f64) };
+        let pose =
+            Pose { rotation: turned(Vec3::Z, 0.1 * k as f32), ..at(0.0, 0.0, 0.0455 + 0.0215 * k as f64) };
         stage.put(stage.body(shape, pose))
     });
     let ids = ids.collect();
@@ -172,8 +206,8 @@ fn nest(count: usize) -> (Stage, Vec<BodyId>) {
 }
 
 fn assert_nested(stage: &Stage, ids: &[BodyId]) {
-    // The outer ball of each rests on the rim of the inner one of the bowl below: √(50² − 47²) mm higher. Flat strips are up to a hundredth of a tenth nearer to the axis.
-    let step = (0.05_f64 * 0.05 - 0.047 * 0.047).sqrt();
+    // The outer ball of each rests on the rim of the inner one of the bowl below: √(50² − 46²) mm higher. Flat strips are up to a hundredth of a tenth nearer to the axis.
+    let step = (0.05_f64 * 0.05 - 0.046 * 0.046).sqrt();
     for (k, id) in ids.iter().enumerate() {
         let pose = stage.world.pose(*id).expect("it is there");
         let height = 0.045 + step * k as f64;
@@ -202,7 +236,7 @@ fn two_hundred_bowls_nest() {
     for pair in ids.windows(2) {
         let [low, high] = [0, 1].map(|k| stage.position(pair[k]));
         let step = (high - low).length();
-        assert!(step > 0.012 && step < 0.024, "{low} {high}");
+        assert!(step > 0.017 && step < 0.022, "{low} {high}");
     }
 }
 
@@ -226,6 +260,7 @@ fn floors() -> Vec<(&'static str, Shape, f64)> {
 /// Promise: a ring and a bowl that stand on a floor of any kind stand still: from the second second on to 20 µm and 100 µrad.
 #[test]
 fn what_stands_stands_still() {
+    let mut worst = (0.0_f64, 0.0_f32);
     for (name, floor, height) in floors() {
         let mut stage = Stage::new(settings(), rubs(0.5, 0.0));
         let shape = stage.shape(floor);
@@ -247,15 +282,20 @@ fn what_stands_stands_still() {
             let way = (after.position - before.position).length();
             let q = rotation::compose(after.rotation, rotation::inverse(before.rotation));
             let turn = 2.0 * Vec3::new(q.x, q.y, q.z).length();
-            println!("{name}: {way:e} m, {turn:e} rad");
-            assert!(way < 2e-5 && turn < 1e-4, "on a {name} it went {way} m and turned {turn}");
+            println!(
+                "{name}: {} {way:e} m, {turn:e} rad, {}",
+                stage.world.shape(*id).expect("it is there").name(),
+                after.position - before.position
+            );
+            worst = (worst.0.max(way), worst.1.max(turn));
         }
     }
+    assert!(worst.0 < 2e-5 && worst.1 < 1e-4, "one went {} m, one turned by {}", worst.0, worst.1);
 }
 
 /// Rings, bowls and other shapes, dropped on each other.
 fn heap(settings: Settings, count: usize) -> Stage {
-    let mut stage = Stage::on_ground(settings, rubs(0.5, 0.0));
+    let mut stage = Stage::on_ground(settings, Material { rolling_friction: 0.02, ..rubs(0.5, 0.0) });
     let shapes = [
         link(),
         bowl(),
@@ -324,22 +364,35 @@ fn queries_meet_the_mesh_and_its_inside() {
     let mut stage = Stage::new(settings(), rubs(0.5, 0.0));
     let ring = stage.shape(link());
     let id = stage.put(stage.body(ring, at(0.0, 0.0, 1.0)));
-    let down = |x: f64| rockfall::Ray { origin: DVec3::new(x, 0.0, 2.0), direction: Vec3::NEG_Z, max_distance: 10.0, solid: true };
-    let hit = stage.world.cast_ray(&down(f64::from(RING)), &Filter::default()).expect("it is aimed at the tube");
+    let down = |x: f64| rockfall::Ray {
+        origin: DVec3::new(x, 0.0, 2.0),
+        direction: Vec3::NEG_Z,
+        max_distance: 10.0,
+        solid: true,
+    };
+    let hit =
+        stage.world.cast_ray(&down(f64::from(RING)), &Filter::default()).expect("it is aimed at the tube");
     assert!(hit.body == id && (hit.distance - 0.99).abs() < 1e-4, "{hit:?}");
     assert!(stage.world.cast_ray(&down(0.0), &Filter::default()).is_none(), "through the hole");
-    let near = stage.world.nearest_point(DVec3::new(0.0, 0.0, 1.0), 1.0, &Filter::default()).expect("it is near");
+    let near =
+        stage.world.nearest_point(DVec3::new(0.0, 0.0, 1.0), 1.0, &Filter::default()).expect("it is near");
     assert!((near.distance - (RING - TUBE)).abs() < 2e-4, "{near:?}");
     let inside = stage.world.nearest_point(DVec3::new(f64::from(RING), 0.0, 1.0), 1.0, &Filter::default());
     assert!((inside.expect("it is near").distance + TUBE).abs() < 2e-4);
     let ball = Shape::Sphere { radius: 0.005 };
     let cast = |x: f64| Cast { pose: at(x, 0.0, 2.0), translation: Vec3::new(0.0, 0.0, -2.0) };
-    let hits = stage.world.cast_shapes(&ball, &[cast(0.0), cast(f64::from(RING))], &Filter::default()).expect("a ball");
+    let hits = stage
+        .world
+        .cast_shapes(&ball, &[cast(0.0), cast(f64::from(RING))], &Filter::default())
+        .expect("a ball");
     assert!(hits[0].is_none() && (hits[1].expect("the tube").time - 0.4925).abs() < 1e-4, "{hits:?}");
     let places = [at(0.0, 0.0, 1.0), at(f64::from(RING), 0.0, 1.0)];
     let found = stage.world.overlaps(&ball, &places, &Filter::default()).expect("a ball");
     assert!(found.get(0).is_empty() && found.get(1) == [id]);
-    let deep = stage.world.penetrations(&ball, &[at(f64::from(RING + TUBE), 0.0, 1.0)], &Filter::default()).expect("a ball");
+    let deep = stage
+        .world
+        .penetrations(&ball, &[at(f64::from(RING + TUBE), 0.0, 1.0)], &Filter::default())
+        .expect("a ball");
     let deep = deep.get(0)[0];
     assert!((deep.depth - 0.005).abs() < 1e-3 && deep.normal.x > 0.99, "{deep:?}");
 }

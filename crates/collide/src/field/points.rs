@@ -31,7 +31,14 @@ const PLACES: u32 = 1 << 12;
 const SPOKES: u32 = 16;
 
 /// Calls `put` with the points of `own` that may be within `reach` of a field.
-pub(super) fn near(own: &Side, other: &Side, field: &Field, reach: f32, spacing: f32, put: &mut impl FnMut(Point)) {
+pub(super) fn near(
+    own: &Side,
+    other: &Side,
+    field: &Field,
+    reach: f32,
+    spacing: f32,
+    put: &mut impl FnMut(Point),
+) {
     let bounds = field.mesh().bounds;
     // From the field's frame to that of the shape.
     let seen = own.place.inverse().then_after(&other.place);
@@ -181,7 +188,8 @@ fn surface<S: Surface>(surface: &S, area: &Area, spacing: f32, put: &mut impl Fn
         }
     }
     for &triangle in &triangles {
-        let (corners, normal, ids) = (surface.corners(triangle), surface.normal(triangle), surface.ids(triangle));
+        let (corners, normal, ids) =
+            (surface.corners(triangle), surface.normal(triangle), surface.ids(triangle));
         for edge in 0..3 {
             let (kind, beyond) = surface.beyond(triangle, edge, &corners, normal);
             let first = surface.neighbour(triangle, edge).is_none_or(|other| triangle < other);

@@ -63,7 +63,8 @@ fn cook(table: &Table, context: &Cook) -> Result<Shape, Problem> {
         None => Field::new(mesh, settings),
     };
     let key = |why: &rockfall_shape::FieldError| match why {
-        rockfall_shape::FieldError::Setting { what: "spacing", .. } | rockfall_shape::FieldError::TooMany { .. }
+        rockfall_shape::FieldError::Setting { what: "spacing", .. }
+        | rockfall_shape::FieldError::TooMany { .. }
             if table.has("spacing") =>
         {
             "spacing"

@@ -120,7 +120,11 @@ mod tests {
             octree.leaves.push(corner(low, 1.0));
         }
         for i in 0..1000_u32 {
-            let p = Vec3::new((i % 10) as f32 / 5.0 - 1.0, (i / 10 % 10) as f32 / 2.5 - 1.0, (i / 100) as f32 / 5.0 - 1.0);
+            let p = Vec3::new(
+                (i % 10) as f32 / 5.0 - 1.0,
+                (i / 10 % 10) as f32 / 2.5 - 1.0,
+                (i / 100) as f32 / 5.0 - 1.0,
+            );
             assert!((octree.value(p) - f(p)).abs() < 1e-5, "{p}");
         }
         assert_eq!(octree.end(), Vec3::new(1.0, 3.0, 1.0));

@@ -13,8 +13,7 @@ use rockfall_math::Vec3;
 pub(super) fn close(octree: &mut Octree, places: &[Place]) {
     for cuts in 1..=MOST_CUTS {
         let cells: Vec<usize> = (0..places.len()).filter(|&leaf| places[leaf].cuts == cuts).collect();
-        let closed: Vec<[f32; 8]> =
-            cells.par_iter().map(|&leaf| closed(octree, places, leaf)).collect();
+        let closed: Vec<[f32; 8]> = cells.par_iter().map(|&leaf| closed(octree, places, leaf)).collect();
         for (leaf, corners) in cells.into_iter().zip(closed) {
             octree.leaves[leaf] = corners;
         }

@@ -7,8 +7,8 @@ use super::octree::{LEAF, Octree};
 use super::samples::{Sample, Samples};
 use super::{Field, FieldError, FieldSettings, check};
 use crate::Mesh;
-use rockfall_math::snapshot::{Error, Reader, Writer};
 use rockfall_math::Vec3;
+use rockfall_math::snapshot::{Error, Reader, Writer};
 use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::{Path, PathBuf};
@@ -35,7 +35,11 @@ impl Field {
     ///
     /// # Errors
     /// As [`Field::new`]. A folder that can't be written is no error.
-    pub fn cached(mesh: Arc<Mesh>, settings: FieldSettings, folder: &Path) -> Result<(Field, CacheUse), FieldError> {
+    pub fn cached(
+        mesh: Arc<Mesh>,
+        settings: FieldSettings,
+        folder: &Path,
+    ) -> Result<(Field, CacheUse), FieldError> {
         check(&mesh, settings)?;
         let path = folder.join(format!("{:032x}.field", key(&mesh, settings)));
         if let Ok(field) = read(&path, &mesh, settings) {

@@ -91,7 +91,12 @@ fn a_million_distances_are_within_the_stated_bound() {
     for (name, mesh, error) in bodies() {
         let field = field(mesh, error);
         let over = worst(&field, 1_000_000);
-        println!("{name}: {} cells, {} samples, {:?}, {over:e} beyond", field.cells(), field.samples().points().len(), field.memory());
+        println!(
+            "{name}: {} cells, {} samples, {:?}, {over:e} beyond",
+            field.cells(),
+            field.samples().points().len(),
+            field.memory()
+        );
         assert!(over <= 0.0, "{name}: {over} m beyond the bound");
     }
 }
@@ -156,7 +161,8 @@ fn no_point_of_the_surface_is_further_from_a_sample_than_the_spacing() {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
             let p = a + u * (b - a) + v * (c - a);
-            let least = field.samples().points().iter().map(|s| s.position.distance(p)).fold(f32::INFINITY, f32::min);
+            let least =
+                field.samples().points().iter().map(|s| s.position.distance(p)).fold(f32::INFINITY, f32::min);
             assert!(least <= spacing, "{name}: {least}");
         }
     }
@@ -256,7 +262,8 @@ mod cache {
         assert!(first.octree == second.octree && first.samples == second.samples);
         assert!(first.inner == second.inner && first.key == second.key);
         // Another error, another spacing, another mesh: another file.
-        for other in [FieldSettings { error: 2e-3, ..SETTINGS }, FieldSettings { spacing: 5e-3, ..SETTINGS }] {
+        for other in [FieldSettings { error: 2e-3, ..SETTINGS }, FieldSettings { spacing: 5e-3, ..SETTINGS }]
+        {
             let (_, how) = Field::cached(mesh(), other, &below).unwrap();
             assert!(matches!(how, CacheUse::Written(_)));
         }
