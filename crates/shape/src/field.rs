@@ -12,7 +12,7 @@ mod samples;
 mod seams;
 mod store;
 
-pub use samples::{Sample, Samples};
+pub use samples::{SAMPLES_IN_A_BALL, Sample, Samples};
 pub use store::CacheUse;
 
 use crate::{Mesh, MeshError, Shape};
@@ -20,8 +20,8 @@ use octree::{Octree, Spot};
 use rockfall_math::Vec3;
 use std::sync::Arc;
 
-/// By which share of the distance a field may err far from the surface, where that is more than its error.
-const FAR: f64 = 0.125;
+/// By which share of the distance a field may err besides its error.
+const FAR: f64 = 0.25;
 
 /// The smallest error of a field, as a share of the longest side of its body.
 const FINEST: f32 = 1e-4;
@@ -38,8 +38,7 @@ const SPACING: f32 = 4.0;
 /// How exact a [`Field`] is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldSettings {
-    /// Largest difference of the field's distance from the exact one, metres, where that is less than eight times as much; further away
-    /// the difference is up to an eighth of the distance.
+    /// Largest difference of the field's distance from the exact one at the surface, metres; away from it a quarter of the distance is added.
     pub error: f32,
     /// No point of the surface is further than that from a sample, metres: smaller features of two bodies may miss each other.
     pub spacing: f32,
@@ -229,7 +228,7 @@ impl Field {
     pub fn bound(&self, distance: f32) -> f32 {
         // The share is one of the exact distance.
         const SHARE: f32 = (FAR / (1.0 - FAR)) as f32;
-        self.settings.error.max(SHARE * distance.abs())
+        self.settings.error + SHARE * (distance.abs() + self.settings.error)
     }
 
     /// Signed distance of a point from the surface, metres: within [`Field::bound`] in the box around the body and a rim of about a tenth of its size, an estimate further out.

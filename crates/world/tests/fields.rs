@@ -6,9 +6,9 @@ use common::{Numbers, Stage, at, frames, rubs};
 use rockfall::math::{DVec3, Pose, Quat, Vec2, Vec3, rotation, trig};
 use rockfall::shape::{Field, FieldSettings, HeightField, Hull, Mesh};
 use rockfall::snapshot::{Reader, Writer};
-use rockfall::{Body, BodyId, Kind, Settings, Shape};
+use rockfall::{Body, BodyId, Kind, Material, Settings, Shape};
 use std::f32::consts::{FRAC_PI_2, TAU};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Of a link: from the axis to the middle of the tube, and the radius of the tube, metres.
 const RING: f32 = 0.035;
@@ -23,23 +23,29 @@ fn arc(center: Vec2, radius: f32, [from, until]: [f32; 2], parts: u32) -> impl I
 
 fn field(line: impl Iterator<Item = Vec2>, parts: u32, error: f32) -> Shape {
     let mesh = Mesh::turned(&line.collect::<Vec<_>>(), parts).expect("a line that turns");
-    Shape::Field(Arc::new(
-        Field::new(Arc::new(mesh), FieldSettings::with_error(error)).expect("it is closed"),
-    ))
+    let settings = FieldSettings { error, spacing: 2.0 * error };
+    Shape::Field(Arc::new(Field::new(Arc::new(mesh), settings).expect("it is closed")))
 }
 
 fn link() -> Shape {
-    field(arc(Vec2::new(RING, 0.0), TUBE, [0.0, TAU * 23.0 / 24.0], 23), 48, 5e-4)
+    static LINK: OnceLock<Shape> = OnceLock::new();
+    LINK.get_or_init(|| field(arc(Vec2::new(RING, 0.0), TUBE, [0.0, TAU * 23.0 / 24.0], 23), 48, 1e-3))
+        .clone()
 }
 
-/// A half ball of 50 mm with a wall of 3 mm and a flat foot, its rim at z = 0.
+/// A half ball of 50 mm with a wall of 4 mm and a flat foot, its rim at z = 0.
 fn bowl() -> Shape {
-    let (outer, inner, foot, floor) = (0.05_f32, 0.047_f32, -0.045_f32, -0.042_f32);
+    static BOWL: OnceLock<Shape> = OnceLock::new();
+    BOWL.get_or_init(thrown).clone()
+}
+
+fn thrown() -> Shape {
+    let (outer, inner, foot, floor) = (0.05_f32, 0.046_f32, -0.045_f32, -0.041_f32);
     let low = |radius: f32, z: f32| -trig::acos((radius * radius - z * z).sqrt() / radius);
     let outside = arc(Vec2::ZERO, outer, [low(outer, foot), 0.0], 12);
     let inside = arc(Vec2::ZERO, inner, [0.0, low(inner, floor)], 12);
     let line = [Vec2::new(0.0, foot)].into_iter().chain(outside).chain(inside).chain([Vec2::new(0.0, floor)]);
-    field(line, 48, 5e-4)
+    field(line, 48, 1e-3)
 }
 
 fn settings() -> Settings {
@@ -135,7 +141,16 @@ fn a_chain_hangs() {
     let mut stage = Stage::new(settings(), rubs(0.4, 0.0));
     let ids = chain(&mut stage, 10);
     assert_chained(&stage, &ids, "at the start");
-    stage.steps(300);
+    for second in 0..5 {
+        stage.steps(60);
+        let (v, w) = stage.velocity(ids[9]);
+        println!(
+            "{second}: fastest {} m/s, last {v} {w}, {:e} J, {} manifolds",
+            fastest(&stage),
+            stage.world.report().kinetic_energy,
+            stage.world.report().manifolds
+        );
+    }
     assert_chained(&stage, &ids, "after five seconds");
     println!("fastest {} m/s, lowest {} m", fastest(&stage), stage.position(ids[9]).z);
     assert!(fastest(&stage) < 0.01, "{} m/s", fastest(&stage));
@@ -183,7 +198,7 @@ fn nest(count: usize) -> (Stage, Vec<BodyId>) {
     let shape = stage.shape(bowl());
     let ids = (0..count).map(|k| {
         let pose =
-            Pose { rotation: turned(Vec3::Z, 0.1 * k as f32), ..at(0.0, 0.0, 0.0455 + 0.02 * k as f64) };
+            Pose { rotation: turned(Vec3::Z, 0.1 * k as f32), ..at(0.0, 0.0, 0.0455 + 0.0215 * k as f64) };
         stage.put(stage.body(shape, pose))
     });
     let ids = ids.collect();
@@ -191,8 +206,8 @@ fn nest(count: usize) -> (Stage, Vec<BodyId>) {
 }
 
 fn assert_nested(stage: &Stage, ids: &[BodyId]) {
-    // The outer ball of each rests on the rim of the inner one of the bowl below: √(50² − 47²) mm higher. Flat strips are up to a hundredth of a tenth nearer to the axis.
-    let step = (0.05_f64 * 0.05 - 0.047 * 0.047).sqrt();
+    // The outer ball of each rests on the rim of the inner one of the bowl below: √(50² − 46²) mm higher. Flat strips are up to a hundredth of a tenth nearer to the axis.
+    let step = (0.05_f64 * 0.05 - 0.046 * 0.046).sqrt();
     for (k, id) in ids.iter().enumerate() {
         let pose = stage.world.pose(*id).expect("it is there");
         let height = 0.045 + step * k as f64;
@@ -221,7 +236,7 @@ fn two_hundred_bowls_nest() {
     for pair in ids.windows(2) {
         let [low, high] = [0, 1].map(|k| stage.position(pair[k]));
         let step = (high - low).length();
-        assert!(step > 0.012 && step < 0.024, "{low} {high}");
+        assert!(step > 0.017 && step < 0.022, "{low} {high}");
     }
 }
 
@@ -245,6 +260,7 @@ fn floors() -> Vec<(&'static str, Shape, f64)> {
 /// Promise: a ring and a bowl that stand on a floor of any kind stand still: from the second second on to 20 µm and 100 µrad.
 #[test]
 fn what_stands_stands_still() {
+    let mut worst = (0.0_f64, 0.0_f32);
     for (name, floor, height) in floors() {
         let mut stage = Stage::new(settings(), rubs(0.5, 0.0));
         let shape = stage.shape(floor);
@@ -266,15 +282,20 @@ fn what_stands_stands_still() {
             let way = (after.position - before.position).length();
             let q = rotation::compose(after.rotation, rotation::inverse(before.rotation));
             let turn = 2.0 * Vec3::new(q.x, q.y, q.z).length();
-            println!("{name}: {way:e} m, {turn:e} rad");
-            assert!(way < 2e-5 && turn < 1e-4, "on a {name} it went {way} m and turned {turn}");
+            println!(
+                "{name}: {} {way:e} m, {turn:e} rad, {}",
+                stage.world.shape(*id).expect("it is there").name(),
+                after.position - before.position
+            );
+            worst = (worst.0.max(way), worst.1.max(turn));
         }
     }
+    assert!(worst.0 < 2e-5 && worst.1 < 1e-4, "one went {} m, one turned by {}", worst.0, worst.1);
 }
 
 /// Rings, bowls and other shapes, dropped on each other.
 fn heap(settings: Settings, count: usize) -> Stage {
-    let mut stage = Stage::on_ground(settings, rubs(0.5, 0.0));
+    let mut stage = Stage::on_ground(settings, Material { rolling_friction: 0.02, ..rubs(0.5, 0.0) });
     let shapes = [
         link(),
         bowl(),

@@ -4,12 +4,18 @@
 //! carry as much as all, wherever they are. Points that touch come first, by name, so that the same ones lead from step to step.
 
 use super::gather::Contact;
-use crate::reduce::reduce;
+use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
 
 /// Cosine of the largest angle between a contact and the one that leads its manifold: 25°.
 const ALIKE: f32 = 0.906;
+
+/// Points that are open by more than this share of the manifold's span beyond the deepest bear no load: next to a line of contact, on a surface that bends away, they would span the larger area.
+const BEARING: f32 = 1.5e-3;
+
+/// Depths that differ by less than this share of the span are equal.
+const EQUAL: f32 = 2.5e-4;
 
 /// Appends the manifolds of contacts that are no further apart than `margin`.
 pub(super) fn manifolds(contacts: &[Contact], margin: f32, out: &mut Vec<Manifold>) {
@@ -40,9 +46,12 @@ fn manifold(cluster: &[&Contact], margin: f32) -> Manifold {
     };
     let sum: Vec3 = cluster.iter().map(|c| weight(c) * c.normal).sum();
     let normal = sum.normalize_or(cluster[0].normal);
+    let first = cluster[0].position;
+    let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let points: Vec<ContactPoint> = cluster
         .iter()
+        .filter(|c| c.distance <= deepest + BEARING * span)
         .map(|c| ContactPoint { position: c.position, distance: c.distance, feature: c.name })
         .collect();
-    reduce(normal, &points)
+    reduce_within(normal, &points, start(normal), EQUAL * span)
 }

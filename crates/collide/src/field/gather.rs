@@ -3,6 +3,7 @@
 use super::points::{self, Point};
 use super::side::{Near, Side};
 use rockfall_math::Vec3;
+use rockfall_shape::SAMPLES_IN_A_BALL;
 
 /// The way to the other body may leave the cone of the surface's own normals by this angle, as cosine and sine: 60°. The nearest place may be a little further along a surface that bends.
 const NEARLY: [f32; 2] = [0.5, 0.866];
@@ -15,6 +16,9 @@ const OPPOSITE: f32 = 0.999_9;
 
 /// A ball that is nearer than this share of the distance of its middle is looked into, also where it is out of reach: otherwise nobody would know how far the bodies are apart.
 const WORTH: f32 = 0.3;
+
+/// Of the samples in a small ball that are further apart from the other body than this share of the spacing, the nearest one stands for all: bodies that come fast see hundreds.
+const TOUCHING: f32 = 0.25;
 
 /// Set in the names of B's points.
 const OF_B: u32 = 1 << 31;
@@ -72,14 +76,18 @@ pub(super) fn points_near(
     out: &mut Vec<Contact>,
 ) -> f32 {
     if own.field().is_some() {
+<<<<<<< HEAD
         samples(own, other, reach, of_b, out)
+=======
+        samples(own, other, reach, spacing, of_b, out)
+>>>>>>> sdf
     } else {
         corners(own, other, reach, spacing, of_b, out)
     }
 }
 
 /// Samples of a field.
-fn samples(own: &Side, other: &Side, reach: f32, of_b: bool, out: &mut Vec<Contact>) -> f32 {
+fn samples(own: &Side, other: &Side, reach: f32, spacing: f32, of_b: bool, out: &mut Vec<Contact>) -> f32 {
     let Some(field) = own.field() else { return f32::INFINITY };
     let mut least = f32::INFINITY;
     let mut near = Vec::new();
@@ -99,17 +107,23 @@ fn samples(own: &Side, other: &Side, reach: f32, of_b: bool, out: &mut Vec<Conta
         },
         |i| near.push(i),
     );
-    for i in near {
-        let sample = &field.samples().points()[i];
-        let p = own.place.point(sample.position);
-        let Some(distance) = other.distance(p, reach) else {
-            least = least.min(reach);
-            continue;
-        };
+    let points = field.samples().points();
+    let distances: Vec<f32> = near
+        .iter()
+        .map(|&i| other.distance(own.place.point(points[i].position), reach).unwrap_or(reach))
+        .collect();
+    for (n, (&i, &distance)) in near.iter().zip(&distances).enumerate() {
         least = least.min(distance);
-        if distance > reach {
+        let leads = || {
+            let group =
+                n - i % SAMPLES_IN_A_BALL..(n - i % SAMPLES_IN_A_BALL + SAMPLES_IN_A_BALL).min(near.len());
+            group.into_iter().all(|m| distances[m] > distance || (distances[m] == distance && m >= n))
+        };
+        if distance >= reach || (distance > TOUCHING * spacing && !leads()) {
             continue;
         }
+        let sample = &points[i];
+        let p = own.place.point(sample.position);
         let Some(there) = other.nearest(p, reach) else { continue };
         let facing = own.place.vector(sample.normal).dot(-there.normal);
         if within(facing, sample.cone, NEARLY) {

@@ -139,7 +139,7 @@ impl Maker<'_> {
 
     fn fits(&self, corners: &[f32; 8], quarters: [u32; 3], exact: f64) -> bool {
         let found = interpolate(corners, 0.25 * Vec3::from(quarters.map(|q| q as f32)));
-        (f64::from(found) - exact).abs() <= 0.5 * self.error.max(FAR * exact.abs())
+        (f64::from(found) - exact).abs() <= 0.5 * (self.error + FAR * exact.abs())
     }
 }
 

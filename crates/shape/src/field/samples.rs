@@ -11,8 +11,9 @@ use rockfall_math::{Aabb, DVec3, Vec3};
 use rockfall_tree::Tree;
 use std::collections::HashMap;
 
-/// Points, or balls, in a ball.
-const GROUP: usize = 8;
+/// Points, or balls, in a ball; points of one of the smallest balls have numbers with the same quotient by it.
+pub const SAMPLES_IN_A_BALL: usize = 8;
+const GROUP: usize = SAMPLES_IN_A_BALL;
 
 /// Two points that are nearer to each other than this share of the spacing do the work of one, if they look the same way.
 const NEAR: f32 = 0.4;
