@@ -18,14 +18,10 @@ mod polyhedron;
 mod principal;
 
 pub use bounds::UNBOUNDED;
-<<<<<<< HEAD
 pub use compound::{Compound, CompoundError, Part};
-pub use field::{CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, Sample, Samples};
-=======
 pub use field::{
     CacheUse, Field, FieldError, FieldMemory, FieldPoint, FieldSettings, SAMPLES_IN_A_BALL, Sample, Samples,
 };
->>>>>>> sdf
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};

@@ -76,11 +76,7 @@ pub(super) fn points_near(
     out: &mut Vec<Contact>,
 ) -> f32 {
     if own.field().is_some() {
-<<<<<<< HEAD
-        samples(own, other, reach, of_b, out)
-=======
         samples(own, other, reach, spacing, of_b, out)
->>>>>>> sdf
     } else {
         corners(own, other, reach, spacing, of_b, out)
     }
