@@ -30,11 +30,14 @@ use rockfall_shape::Shape;
 /// assert_eq!(cast_shape(&ball, &cube, &start, 2.0 * Vec3::X), None);
 /// ```
 pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) -> Option<Toi> {
-    if !crate::is_finite(a_in_b) || !translation.is_finite() || !a.is_convex() {
+    if !crate::is_finite(a_in_b) || !translation.is_finite() {
         return None;
     }
     if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
         return compound::cast_shape(a, b, a_in_b, translation);
+    }
+    if !a.is_convex() {
+        return None;
     }
     let center = a.bounds().center();
     let sweep = Sweep {
