@@ -24,6 +24,7 @@ mod stage;
 
 use crate::prototypes::Prototypes;
 use crate::{Error, Format, Job, Makes, Motion};
+use clips::Clips;
 use crowd::Crowd;
 use rockfall_usd::Writer;
 use stage::Stage;
@@ -61,6 +62,22 @@ impl Usd {
     pub fn bytes_per_body(&self) -> u64 {
         20 + if self.velocities { 24 } else { 0 } + if self.precise { 16 } else { 0 }
     }
+
+    /// Leads the crowd through all frames.
+    fn frames(
+        &self,
+        job: &Job<'_>,
+        rows: &[u32],
+        crowd: &mut Crowd,
+        mut write: impl FnMut(&Crowd) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let motion = if self.velocities { Motion::Wanted } else { Motion::Unwanted };
+        let encode = |moment| Ok(self.columns(moment));
+        job.stream(rows, motion, encode, |columns| {
+            crowd.move_to(columns);
+            write(crowd)
+        })
+    }
 }
 
 impl Format for Usd {
@@ -80,32 +97,15 @@ impl Format for Usd {
         let surfaces = Prototypes::of(job.run(), &rows)?;
         let mut crowd = Crowd::of(job, self, &rows, mesh::reach(&surfaces));
         let stage = Stage::of(job, &rows, &surfaces, &crowd)?;
-        let motion = if self.velocities { Motion::Wanted } else { Motion::Unwanted };
         match self.clip {
             None => {
                 let mut writer = Writer::create(to)?;
-                job.stream(
-                    &rows,
-                    motion,
-                    |moment| Ok(self.columns(moment)),
-                    |columns| {
-                        crowd.move_to(columns);
-                        crowd.sample(&mut writer)
-                    },
-                )?;
+                self.frames(job, &rows, &mut crowd, |crowd| crowd.sample(&mut writer))?;
                 writer.finish(&stage.layer(None))?;
             }
-            Some(frames) => {
-                let mut clips = clips::Clips::new(to, job, frames, crowd.declared());
-                job.stream(
-                    &rows,
-                    motion,
-                    |moment| Ok(self.columns(moment)),
-                    |columns| {
-                        crowd.move_to(columns);
-                        clips.write(&crowd)
-                    },
-                )?;
+            Some(length) => {
+                let mut clips = Clips::new(to, job, length, crowd.declared());
+                self.frames(job, &rows, &mut crowd, |crowd| clips.write(crowd))?;
                 let clips = clips.finish()?;
                 Writer::create(&to.join(SCENE))?.finish(&stage.layer(Some(clips)))?;
             }

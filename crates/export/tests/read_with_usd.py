@@ -101,6 +101,7 @@ def main(run_path: Path, file: str, frames: list[int], options: set[str]) -> Non
     for name, option in optional.items():
         assert (bodies.GetPrim().GetAttribute(name).GetNumTimeSamples() > 0) == (option in options), name
 
+    motion = run["position"][:], run["orientation"][:], run["time"][:]
     for k, frame in enumerate(frames):
         position, turn = run["position"][frame][moving], run["orientation"][frame][moving]
         there = ~np.isnan(position[:, 0])
@@ -119,7 +120,7 @@ def main(run_path: Path, file: str, frames: list[int], options: set[str]) -> Non
         if "precise" in options:
             np.testing.assert_array_equal(quaternions(bodies.GetOrientationsfAttr().Get(frame))[there], turn[there])
         if "velocities" in options:
-            check_motion(run, bodies, frame, moving, there)
+            check_motion(*motion, bodies, frame, moving, there)
         elif k + 1 < len(frames):
             # Between frames programs go straight from one to the next, also where two clips meet.
             after = run["position"][frames[k + 1]][moving]
@@ -129,9 +130,8 @@ def main(run_path: Path, file: str, frames: list[int], options: set[str]) -> Non
     print(f"{len(frames)} frames of {len(ids)} bodies are equal")
 
 
-def check_motion(run, bodies, frame: int, moving: np.ndarray, there: np.ndarray) -> None:
+def check_motion(p, q, t, bodies, frame: int, moving: np.ndarray, there: np.ndarray) -> None:
     """The mean over the step before, or over the one after where a body has just come."""
-    p, q, t = run["position"], run["orientation"], run["time"][:]
     steps = [(f, f + 1) for f in (frame - 1, frame) if 0 <= f < len(t) - 1]
     velocities = np.array(bodies.GetVelocitiesAttr().Get(frame))
     spins = np.radians(np.array(bodies.GetAngularVelocitiesAttr().Get(frame)))

@@ -82,6 +82,7 @@ impl Crowd {
             columns.push(column("velocities", "vector3f[]", Array::Float3(vec![[0.0; 3]; count])));
             columns.push(column("angularVelocities", "vector3f[]", Array::Float3(vec![[0.0; 3]; count])));
         }
+        // Those beyond the signed numbers become negative, each another one.
         let ids = rows.iter().map(|&row| table.ids[row as usize] as i64).collect();
         Crowd { frame: 0, ids, places, columns, present: vec![false; count], radius }
     }
