@@ -1,13 +1,14 @@
 //! The moments of a run, one after the other, prepared by many threads.
 //!
-//! Frames are read and encoded a window at a time, all of a window in parallel, and handed over in their order: so what is written does not depend on
+//! Frames are read a window at a time, encoded all of a window in parallel, and handed over in their order: so what is written does not depend on
 //! threads, and memory on the window alone.
 
 use crate::moment::Timed;
 use crate::{Error, Ids, Inventory, Moment, Run};
 use rayon::prelude::*;
 use rockfall_cache::Poses;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+use std::collections::btree_map::{BTreeMap, Entry};
 
 /// Poses in a window, about: with 84 bytes for a pose and its motion some 40 MB.
 const WINDOW: usize = 1 << 19;
@@ -93,8 +94,9 @@ impl<'a> Job<'a> {
         encode: impl Fn(Moment) -> Result<T, Error> + Sync,
         mut write: impl FnMut(T) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        let mut poses = BTreeMap::new();
         for window in self.frames.chunks(self.window()) {
-            let poses = self.poses(window, motion)?;
+            self.read(window, motion, &mut poses)?;
             let timed = |frame: u64| -> Option<Timed<'_>> {
                 Some((*self.run.times().get(frame as usize)?, poses.get(&frame)?))
             };
@@ -125,15 +127,21 @@ impl<'a> Job<'a> {
         fit.clamp(rayon::current_num_threads(), WINDOW_FRAMES.max(rayon::current_num_threads()))
     }
 
-    /// The poses of some frames, and of their neighbours where motion is wanted.
-    fn poses(&self, frames: &[u64], motion: Motion) -> Result<BTreeMap<u64, Poses>, Error> {
-        let mut needed: Vec<u64> = match motion {
-            Motion::Unwanted => frames.to_vec(),
-            Motion::Wanted => frames.iter().flat_map(|&f| [f.saturating_sub(1), f, f + 1]).collect(),
+    /// Makes `poses` those of some frames, and of their neighbours where motion is wanted. Frames are read in their order, which is what costs the store
+    /// least, and no frame is read twice.
+    fn read(&self, frames: &[u64], motion: Motion, poses: &mut BTreeMap<u64, Poses>) -> Result<(), Error> {
+        let around = |frame: u64| match motion {
+            Motion::Unwanted => frame..=frame,
+            Motion::Wanted => frame.saturating_sub(1)..=frame + 1,
         };
-        needed.retain(|&frame| frame < self.run.frames());
-        needed.sort_unstable();
-        needed.dedup();
-        needed.into_par_iter().map(|frame| Ok((frame, self.run.poses(frame)?))).collect()
+        let there = |frame: &u64| *frame < self.run.frames();
+        let needed: BTreeSet<u64> = frames.iter().flat_map(|&frame| around(frame)).filter(there).collect();
+        poses.retain(|frame, _| needed.contains(frame));
+        for frame in needed {
+            if let Entry::Vacant(place) = poses.entry(frame) {
+                place.insert(self.run.poses(frame)?);
+            }
+        }
+        Ok(())
     }
 }

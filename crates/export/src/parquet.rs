@@ -109,8 +109,8 @@ impl<'a> Table<'a> {
     }
 
     fn finish(mut self) -> Result<(), Error> {
-        // A file without any group is one that some readers do not take.
-        if !self.waiting.is_empty() {
+        // Where there is no body there is no group either.
+        if self.waiting.iter().any(|moment| !moment.rows.is_empty()) {
             self.flush()?;
         }
         self.writer.close().map(drop).map_err(|error| failed(self.path, error))

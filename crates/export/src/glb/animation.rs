@@ -44,6 +44,10 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
         }
         nodes.push((body, node));
     }
+    if nodes.is_empty() {
+        // Nothing moves, and an animation must have something to move.
+        return document.write(run, to, io::empty());
+    }
     let input = document.times(&times);
     let tail = document.tail((POSITION + ROTATION) * (moving.len() * frames) as u64);
     for (body, node) in nodes {

@@ -185,10 +185,7 @@ impl Document {
 
     /// Makes things move.
     pub(super) fn animate(&mut self, channels: Vec<Value>, samplers: Vec<Value>) {
-        // An animation must have something to move.
-        if !channels.is_empty() {
-            self.animation = Some(json!({ "channels": channels, "samplers": samplers }));
-        }
+        self.animation = Some(json!({ "channels": channels, "samplers": samplers }));
     }
 
     /// Writes the document, and `more` as the rest of the binary chunk.
@@ -200,7 +197,7 @@ impl Document {
         let binary = bytes.len() as u64 + self.more;
         let mut text = self.text(run, binary).to_string();
         text.push_str(&" ".repeat(text.len().next_multiple_of(4) - text.len()));
-        let total = 12 + 8 + text.len() as u64 + 8 + binary;
+        let total = 12 + 8 + text.len() as u64 + if binary > 0 { 8 + binary } else { 0 };
         let (Ok(total), Ok(binary)) = (u32::try_from(total), u32::try_from(binary)) else {
             return Err(too_large(total));
         };
@@ -211,37 +208,50 @@ impl Document {
             file.write_all(&[word(2), word(total), word(text.len() as u32)].concat())?;
             file.write_all(b"JSON")?;
             file.write_all(text.as_bytes())?;
-            file.write_all(&word(binary))?;
-            file.write_all(b"BIN\0")?;
-            file.write_all(&bytes)?;
-            io::copy(&mut { more }, &mut file)?;
+            if binary > 0 {
+                file.write_all(&word(binary))?;
+                file.write_all(b"BIN\0")?;
+                file.write_all(&bytes)?;
+                io::copy(&mut { more }, &mut file)?;
+            }
             file.flush()
         };
         write().map_err(|error| Error::io("write", to, &error))
     }
 
     fn text(self, run: &Run, binary: u64) -> Value {
-        let root = self.nodes.len();
         let mut nodes = self.nodes;
+        let root = nodes.len();
         // A quarter turn about x: z, which was up, becomes y.
         let half = 0.5_f64.sqrt();
-        nodes.push(json!({
+        let mut world = json!({
             "name": "world, z up",
             "rotation": [-half, 0.0, 0.0, half],
             "extras": { "origin_m": run.origin().to_array() },
-            "children": (0..root).collect::<Vec<_>>(),
-        }));
+        });
+        if root > 0 {
+            world["children"] = json!((0..root).collect::<Vec<_>>());
+        }
+        nodes.push(world);
         let mut text = json!({
             "asset": { "version": "2.0", "generator": concat!("rockfall ", env!("CARGO_PKG_VERSION")) },
             "scene": 0,
             "scenes": [{ "nodes": [root] }],
             "nodes": nodes,
-            "meshes": self.meshes,
-            "materials": self.materials,
-            "accessors": self.accessors,
-            "bufferViews": self.views,
-            "buffers": [{ "byteLength": binary }],
         });
+        let lists = [
+            ("meshes", self.meshes),
+            ("materials", self.materials),
+            ("accessors", self.accessors),
+            ("bufferViews", self.views),
+        ];
+        // A list without anything in it is not allowed.
+        for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
+            text[name] = Value::Array(list);
+        }
+        if binary > 0 {
+            text["buffers"] = json!([{ "byteLength": binary }]);
+        }
         if let Some(extension) = self.extension {
             text["extensionsUsed"] = json!([extension]);
             text["extensionsRequired"] = json!([extension]);

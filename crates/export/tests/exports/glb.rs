@@ -65,6 +65,19 @@ fn animations_are_valid_and_every_node_is_where_its_body_is() {
 }
 
 #[test]
+fn files_in_which_nothing_moves_or_nothing_is_there_are_valid() {
+    let sample = Sample::new(0.0, FRAMES);
+    // The floor, and one that is poured later.
+    for (bodies, frames, draws) in [("1", "", 1), ("1", "5", 1), ("64", "0", 0), ("64", "0..1", 0)] {
+        let name = format!("{bodies}-{frames}.glb");
+        sample.export(&Glb { bodies: Some(bodies.parse().unwrap()) }, frames, &name).unwrap();
+        if let Some(said) = validate(&sample.path(&name)) {
+            assert!(said.starts_with(&format!("valid: {draws} draws, 0 animations")), "{said}");
+        }
+    }
+}
+
+#[test]
 fn chosen_bodies_alone_are_there() {
     let sample = Sample::new(0.0, FRAMES);
     let glb = Glb { bodies: Some("5000".parse().unwrap()) };

@@ -30,4 +30,8 @@ fn chosen_bodies_are_all_that_is_there() {
         return;
     };
     assert_eq!(said, "[4, 5000, 4, 5000]");
+    // One that is poured later.
+    let bodies = Some("64".parse().unwrap());
+    sample.export(&Parquet { bodies, per_frame: false }, "0", "none.parquet").unwrap();
+    assert_eq!(python("read_with_pyarrow.py", &["ids".into(), sample.path("none.parquet")]).unwrap(), "[]");
 }

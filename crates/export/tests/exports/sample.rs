@@ -119,7 +119,7 @@ impl Sample {
             poses.gather(&table, origin, &running.world.ids(), &running.world.poses()).unwrap();
             let report = (frame > 0).then(|| running.world.report().clone());
             let time = report.as_ref().map_or(0.0, |report| report.time);
-            writer.push(Frame { time, poses, report, hash: None }).unwrap();
+            writer.push(Frame { time, poses, report, ..Frame::default() }).unwrap();
         }
         writer.finish().unwrap();
         // One that is not whole says that it goes on, as after a kill.
