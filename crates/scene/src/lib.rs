@@ -41,6 +41,7 @@ pub use error::{Place, Problem, SceneError};
 pub use manual::keys as manual;
 pub use memory::Estimate;
 pub use plan::BodyRow;
+pub use root::Output;
 pub use running::Running;
 pub use scene::Scene;
 pub use schema::schema;
