@@ -1,6 +1,6 @@
 //! `frames.csv`: one row per step.
 
-use crate::Error;
+use crate::{Error, checksum};
 use rockfall::{STAGES, StepReport};
 use std::fmt::Write;
 use std::fs::{self, File};
@@ -33,18 +33,21 @@ const COLUMNS: [&str; 22] = [
     "frozen",
 ];
 
-/// The first line: names of the columns, then `STAGE_ms` for each of [`STAGES`], then `hash`.
+/// Digits of a row's checksum.
+const DIGITS: usize = 8;
+
+/// The first line: names of the columns, then `STAGE_ms` for each of [`STAGES`], then `hash` and `checksum`.
 pub fn header() -> String {
     let mut line = COLUMNS.join(",");
     for stage in STAGES {
         let _ = write!(line, ",{stage}_ms");
     }
-    line.push_str(",hash\n");
+    line.push_str(",hash,checksum\n");
     line
 }
 
 /// The line of one frame. Numbers are written so that reading them gives the same bits; the hash is hexadecimal,
-/// and empty where it was not taken.
+/// and empty where it was not taken. The checksum is that of the line before it.
 pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> String {
     let r = report;
     let mut line = format!(
@@ -75,8 +78,20 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
     if let Some(hash) = hash {
         let _ = write!(line, "{hash:016x}");
     }
-    line.push('\n');
+    let sum = sum(&line);
+    let _ = writeln!(line, ",{sum}");
     line
+}
+
+/// The checksum of a line.
+fn sum(line: &str) -> String {
+    checksum(line.as_bytes()).split_off(DIGITS)
+}
+
+/// A whole line, without its end and without its checksum, which is right.
+fn sound(line: &str) -> Option<&str> {
+    let (line, stored) = line.rsplit_once(',')?;
+    (sum(line) == stored).then_some(line)
 }
 
 /// What a row says that other parts of the run say too.
@@ -99,7 +114,7 @@ pub fn read(path: &Path) -> Result<Vec<Row>, Error> {
         return Err(Error::damaged(path, "the names of the columns are others"));
     };
     let row = |(line, frame): (&str, u64)| {
-        let cells: Vec<&str> = line.split(',').collect();
+        let cells: Vec<&str> = sound(line)?.split(',').collect();
         let (&hash, numbers) = cells.split_last()?;
         let sound = numbers.len() == COLUMNS.len() + STAGES.len()
             && numbers[0].parse() == Ok(frame)
@@ -119,15 +134,21 @@ pub(crate) fn kept_bytes(path: &Path, frame: u64, hash: u64) -> Result<u64, Erro
     for number in 0..=frame {
         line.clear();
         bytes += lines.read_line(&mut line).map_err(|error| Error::io("read", path, &error))? as u64;
-        let whole = if number == 0 { line == header() } else { line.starts_with(&format!("{number},")) };
-        if !whole || !line.ends_with('\n') {
+        let row = line.strip_suffix('\n').and_then(sound);
+        let whole = if number == 0 {
+            line == header()
+        } else {
+            row.is_some_and(|row| row.starts_with(&format!("{number},")))
+        };
+        if !whole {
             return Err(Error::damaged(
                 path,
-                format!("the row of frame {number} is missing, or is of another version"),
+                format!("the row of frame {number} is missing or damaged, or is of another version"),
             ));
         }
     }
-    if frame > 0 && !line.ends_with(&format!(",{hash:016x}\n")) {
+    let last = line.strip_suffix('\n').and_then(sound).unwrap_or_default();
+    if frame > 0 && !last.ends_with(&format!(",{hash:016x}")) {
         return Err(Error::damaged(path, format!("frame {frame} has another hash than its checkpoint")));
     }
     Ok(bytes)
@@ -159,5 +180,7 @@ mod tests {
         assert_eq!(cell("frozen"), "2");
         assert_eq!(cell("report_ms"), "0.000");
         assert_eq!(cell("hash"), "0000000000000abc");
+        assert!(sound(row.trim_end()).is_some());
+        assert!(sound(&row.trim_end().replacen("7", "8", 1)).is_none());
     }
 }

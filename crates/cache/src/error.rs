@@ -73,6 +73,18 @@ pub enum Error {
         /// The version.
         found: u32,
     },
+    /// A bound for poses that can't be kept.
+    #[error("poses can't be within {bound} {unit}: expected from {least} to {most} {unit}, or no bound")]
+    Precision {
+        /// What was asked for.
+        bound: f64,
+        /// The smallest bound.
+        least: f64,
+        /// The largest one.
+        most: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
     /// A frame has a body that the table of bodies lacks.
     #[error("body {0} is not in the run's table of bodies")]
     UnknownBody(u64),
@@ -84,6 +96,9 @@ pub enum Error {
         /// Frames in the run.
         frames: u64,
     },
+    /// A body that the run does not have.
+    #[error("the run has no row {0} in its table of bodies")]
+    NoBody(usize),
     /// The thread that writes has ended without saying why.
     #[error("the thread that writes {} has stopped", .0.display())]
     WriterGone(PathBuf),

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use rockfall::{BodyId, StepReport};
-use rockfall_math::{DVec3, Pose};
+use rockfall_math::{DVec3, Pose, Vec3};
 
 /// What stays the same of each body during a run. A body's row here is its row in every frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,20 +55,58 @@ impl Poses {
         self.orientations.clear();
         self.positions.resize(3 * table.len(), f32::NAN);
         self.orientations.resize(4 * table.len(), f32::NAN);
-        let mut row = 0;
-        for (id, pose) in ids.iter().zip(poses) {
-            while table.ids.get(row).is_some_and(|&known| known < id.0) {
-                row += 1;
-            }
-            if table.ids.get(row) != Some(&id.0) {
-                return Err(Error::UnknownBody(id.0));
-            }
+        for (row, pose) in rows(table, ids).zip(poses) {
+            let row = row?;
             let position = (pose.position - origin).as_vec3();
             self.positions[3 * row..3 * row + 3].copy_from_slice(&position.to_array());
             self.orientations[4 * row..4 * row + 4].copy_from_slice(&pose.rotation.to_array());
         }
         Ok(())
     }
+}
+
+/// The velocities of all bodies of a table; NaN where a body is not in the world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Velocities {
+    /// Metres per second, of the centre of mass: x, y, z of each body.
+    pub linear: Vec<f32>,
+    /// Radians per second: x, y, z of each body.
+    pub angular: Vec<f32>,
+}
+
+impl Velocities {
+    /// Takes the velocities of a world, linear and angular, `ids` ascending as [`rockfall::World::ids`] gives them, into the rows of a table.
+    ///
+    /// # Errors
+    /// [`Error::UnknownBody`] where the table lacks one of the ids; `self` is of no use then.
+    pub fn gather(
+        &mut self,
+        table: &BodyTable,
+        ids: &[BodyId],
+        velocities: &[(Vec3, Vec3)],
+    ) -> Result<(), Error> {
+        for values in [&mut self.linear, &mut self.angular] {
+            values.clear();
+            values.resize(3 * table.len(), f32::NAN);
+        }
+        for (row, (linear, angular)) in rows(table, ids).zip(velocities) {
+            let row = row?;
+            self.linear[3 * row..3 * row + 3].copy_from_slice(&linear.to_array());
+            self.angular[3 * row..3 * row + 3].copy_from_slice(&angular.to_array());
+        }
+        Ok(())
+    }
+}
+
+/// The rows of ids that ascend.
+fn rows(table: &BodyTable, ids: &[BodyId]) -> impl Iterator<Item = Result<usize, Error>> {
+    let mut row = 0;
+    ids.iter().map(move |id| {
+        while table.ids.get(row).is_some_and(|&known| known < id.0) {
+            row += 1;
+        }
+        if table.ids.get(row) == Some(&id.0) { Ok(row) } else { Err(Error::UnknownBody(id.0)) }
+    })
 }
 
 /// One moment of a run.
@@ -78,6 +116,8 @@ pub struct Frame {
     pub time: f64,
     /// Where the bodies are.
     pub poses: Poses,
+    /// How fast they are; empty in a run that does not write it.
+    pub velocities: Velocities,
     /// What the step that led here had to say; `None` for the state at the start, which no step led to.
     pub report: Option<StepReport>,
     /// [`rockfall::World::hash`], where it was taken.
@@ -111,6 +151,14 @@ mod tests {
         assert_eq!(poses.positions[3..6], [0.5, 2.0, 3.0]);
         assert_eq!(poses.orientations[4..8], [0.0, 0.0, 0.6, 0.8]);
         assert!(poses.orientations[8..].iter().all(|x| x.is_nan()));
+        let mut velocities = Velocities::default();
+        velocities.gather(&table(&[2, 5, 9]), &[BodyId(5)], &[(Vec3::X, Vec3::Z)]).unwrap();
+        assert_eq!(
+            (&velocities.linear[3..6], &velocities.angular[3..6]),
+            (&[1.0, 0.0, 0.0][..], &[0.0, 0.0, 1.0][..])
+        );
+        let others = velocities.linear[..3].iter().chain(&velocities.angular[6..]);
+        assert!(others.copied().all(f32::is_nan));
     }
 
     #[test]

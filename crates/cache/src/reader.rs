@@ -1,13 +1,20 @@
 //! Reading a run.
 
-use crate::{BodyTable, CHECKPOINTS, Error, FRAMES, Poses, SCENE, SUMMARY, Summary, TRAJECTORY};
+use crate::moving::Moving;
+use crate::precision::Numbers;
+use crate::seal::is_sound;
+use crate::store::ATTRIBUTES;
+use crate::trajectory::{LAYOUT, MOVING};
+use crate::{
+    BodyTable, CHECKPOINTS, Error, FRAMES, Poses, Precision, SCENE, SUMMARY, Summary, TRAJECTORY, Velocities,
+};
 use rockfall_math::DVec3;
+use serde_json::{Map, Value};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use zarrs::array::{Array, ElementOwned};
 use zarrs::filesystem::FilesystemStore;
-use zarrs::group::Group;
 
 /// A run on disk, finished or not.
 #[derive(Debug)]
@@ -15,6 +22,21 @@ pub struct RunReader {
     path: PathBuf,
     summary: Summary,
     store: Arc<FilesystemStore>,
+    /// The attributes of the trajectory, once they were read.
+    group: OnceLock<Map<String, Value>>,
+    /// What was read last: the frames that follow are most often those that are wanted next.
+    last: Mutex<Option<Row>>,
+}
+
+/// The frames of a row of chunks.
+#[derive(Debug)]
+struct Row {
+    /// Its number.
+    index: u64,
+    /// Frames that there were in the run when it was read: a run that goes on adds to its last row.
+    frames: u64,
+    /// What the arrays look like, and their numbers, frame by frame.
+    arrays: Vec<(Moving, Vec<i32>)>,
 }
 
 /// A part of a run on disk.
@@ -48,7 +70,13 @@ impl RunReader {
             return Err(Error::NotARun { path: path.to_owned(), missing: TRAJECTORY });
         }
         let store = FilesystemStore::new(&trajectory).map_err(|error| Error::damaged(&trajectory, error))?;
-        Ok(RunReader { path: path.to_owned(), summary, store: Arc::new(store) })
+        Ok(RunReader {
+            path: path.to_owned(),
+            summary,
+            store: Arc::new(store),
+            group: OnceLock::new(),
+            last: Mutex::default(),
+        })
     }
 
     /// What the run says of itself. Of a run that was killed this is what was known at its start.
@@ -78,10 +106,28 @@ impl RunReader {
     /// # Errors
     /// [`Error::Damaged`].
     pub fn origin(&self) -> Result<DVec3, Error> {
-        let group = Group::open(self.store.clone(), "/").map_err(|error| self.damaged("zarr.json", error))?;
-        let origin = group.attributes().get("origin").cloned().unwrap_or_default();
+        let origin = self.attributes()?.get("origin").cloned().unwrap_or_default();
         let [x, y, z] = serde_json::from_value(origin).map_err(|error| self.damaged("zarr.json", error))?;
         Ok(DVec3::new(x, y, z))
+    }
+
+    /// How far the poses may be from those of the simulation.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`].
+    pub fn precision(&self) -> Result<Precision, Error> {
+        let attributes = self.attributes()?;
+        let bound = |name: &str| attributes.get(name).and_then(Value::as_f64);
+        Ok(Precision { position: bound("position_error_m"), rotation: bound("rotation_error_rad") })
+    }
+
+    /// Hash of the state at each complete frame, the start included; 0 where it was not taken. None in runs of versions that did not write
+    /// them here.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`].
+    pub fn hashes(&self) -> Result<Vec<u64>, Error> {
+        if self.layout()? == 1 { Ok(Vec::new()) } else { self.all("hash") }
     }
 
     /// The bodies.
@@ -102,25 +148,77 @@ impl RunReader {
         Ok(table)
     }
 
-    /// The poses of one frame, 0 being the start.
+    /// The poses of one frame, 0 being the start. Reading frames in their order costs least: several share their files, and those
+    /// of the last call are kept.
     ///
     /// # Errors
     /// [`Error::NoFrame`], [`Error::Damaged`].
     pub fn poses(&self, frame: u64) -> Result<Poses, Error> {
-        let frames = self.frames()?;
-        if frame >= frames {
-            return Err(Error::NoFrame { frame, frames });
+        if self.layout()? == 1 {
+            self.has(frame)?;
+            let read = |name| self.poses_of_layout_1(name, frame);
+            return Ok(Poses { positions: read("position")?, orientations: read("orientation")? });
         }
-        let read = |name| {
-            let array = self.array(name)?;
-            let [_, bodies, width] = *array.shape() else {
-                return Err(self.damaged(name, "it has not three dimensions"));
-            };
-            array
-                .retrieve_array_subset::<Vec<f32>>(&[frame..frame + 1, 0..bodies, 0..width])
-                .map_err(|error| self.damaged(name, error))
-        };
-        Ok(Poses { positions: read("position")?, orientations: read("orientation")? })
+        let [positions, orientations] = self.at(frame, ["position", "orientation"])?;
+        Ok(Poses { positions, orientations })
+    }
+
+    /// The velocities of one frame; `None` where the run has none.
+    ///
+    /// # Errors
+    /// [`Error::NoFrame`], [`Error::Damaged`].
+    pub fn velocities(&self, frame: u64) -> Result<Option<Velocities>, Error> {
+        self.has(frame)?;
+        if self.layout()? == 1 || self.arrays()?.len() < MOVING.len() {
+            return Ok(None);
+        }
+        let [linear, angular] = self.at(frame, ["velocity", "angular_velocity"])?;
+        Ok(Some(Velocities { linear, angular }))
+    }
+
+    /// The poses of one body at all complete frames; `row` is that of the table. Of many bodies it reads a small part of
+    /// the files.
+    ///
+    /// # Errors
+    /// [`Error::NoBody`], [`Error::Damaged`].
+    pub fn history(&self, row: usize) -> Result<Poses, Error> {
+        let frames = self.frames()?;
+        let mut history = Poses::default();
+        if self.layout()? == 1 {
+            for frame in 0..frames {
+                let poses = self.poses(frame)?;
+                let one = |values: &[f32], width: usize| {
+                    values.get(row * width..(row + 1) * width).map(<[f32]>::to_vec).ok_or(Error::NoBody(row))
+                };
+                history.positions.extend(one(&poses.positions, 3)?);
+                history.orientations.extend(one(&poses.orientations, 4)?);
+            }
+            return Ok(history);
+        }
+        let arrays = self.arrays()?;
+        for (array, values) in arrays.iter().zip([&mut history.positions, &mut history.orientations]) {
+            if row >= array.bodies {
+                return Err(Error::NoBody(row));
+            }
+            let column = row / array.chunk;
+            let bodies = array.of_column(column);
+            // Its column alone.
+            let part = Moving { bodies: bodies.len(), ..array.clone() };
+            let mut chunk = vec![0; part.row()];
+            for index in 0..frames.div_ceil(array.span as u64) {
+                self.chunk(array, &part, index, column, &mut chunk)?;
+                let there = (frames - index * array.span as u64).min(array.span as u64) as usize;
+                for frame in 0..there {
+                    let at = (frame * part.bodies + row - bodies.start) * array.width;
+                    values
+                        .extend(chunk[at..at + array.width].iter().map(|&stored| array.numbers.read(stored)));
+                }
+            }
+            if array.name == "orientation" {
+                unit(array, values);
+            }
+        }
+        Ok(history)
     }
 
     /// The parts of the run and their sizes; a part that is missing has no files. Checkpoints are a part only where there are any.
@@ -138,17 +236,174 @@ impl RunReader {
             .collect()
     }
 
+    /// Numbers of two arrays at one frame.
+    fn at(&self, frame: u64, names: [&str; 2]) -> Result<[Vec<f32>; 2], Error> {
+        let frames = self.has(frame)?;
+        // Nobody panics while it is held; and what it guards is whole at any time.
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let fresh = |row: &Row| {
+            row.arrays.first().is_some_and(|(array, _)| row.index == frame / array.span as u64)
+                && frame < row.frames
+        };
+        if !last.as_ref().is_some_and(fresh) {
+            *last = None;
+            let mut arrays = Vec::new();
+            let mut index = 0;
+            for array in self.arrays()? {
+                index = frame / array.span as u64;
+                let values = self.row_of(&array, index)?;
+                arrays.push((array, values));
+            }
+            *last = Some(Row { index, frames, arrays });
+        }
+        let arrays = last.as_ref().map_or(&[][..], |row| &row.arrays);
+        let numbers = |name: &str| {
+            let found = arrays.iter().find(|(array, _)| array.name == name);
+            let (array, values) = found.ok_or_else(|| self.damaged(name, "it is missing"))?;
+            let size = array.bodies * array.width;
+            let start = (frame % array.span as u64) as usize * size;
+            let mut read: Vec<f32> =
+                values[start..start + size].iter().map(|&stored| array.numbers.read(stored)).collect();
+            if name == "orientation" {
+                unit(array, &mut read);
+            }
+            Ok(read)
+        };
+        Ok([numbers(names[0])?, numbers(names[1])?])
+    }
+
+    /// The arrays of poses and, where there are, of velocities. They have the same bodies and the same frames in a chunk.
+    pub(crate) fn arrays(&self) -> Result<Vec<Moving>, Error> {
+        let mut arrays: Vec<Moving> = Vec::new();
+        for (name, dimension) in MOVING {
+            if arrays.len() == 2 && !self.path.join(TRAJECTORY).join(name).is_dir() {
+                break;
+            }
+            let metadata = self.metadata(&format!("{name}/zarr.json"))?;
+            let (array, _) =
+                Moving::of(name, dimension, &metadata).map_err(|reason| self.damaged(name, reason))?;
+            let alike = |first: &Moving| {
+                (first.bodies, first.span, first.chunk) == (array.bodies, array.span, array.chunk)
+            };
+            if !arrays.first().is_none_or(alike) {
+                return Err(self.damaged(name, "it has not the chunks of the positions"));
+            }
+            arrays.push(array);
+        }
+        Ok(arrays)
+    }
+
+    /// The numbers of a row of chunks, frame by frame.
+    pub(crate) fn row_of(&self, array: &Moving, row: u64) -> Result<Vec<i32>, Error> {
+        let mut values = vec![0; array.row()];
+        for column in 0..array.columns() {
+            self.chunk(array, array, row, column, &mut values)?;
+        }
+        Ok(values)
+    }
+
+    /// Reads the chunk of `array` at a row and a column into `values`, which are those of `part`: of all columns, or of this one.
+    fn chunk(
+        &self,
+        array: &Moving,
+        part: &Moving,
+        row: u64,
+        column: usize,
+        values: &mut [i32],
+    ) -> Result<(), Error> {
+        let path = self.path.join(TRAJECTORY).join(array.key(row, column));
+        // The writer leaves out no chunk, so one that is not there was lost.
+        let bytes = fs::read(&path).map_err(|error| Error::damaged(&path, error))?;
+        let within = if part.bodies == array.bodies { column } else { 0 };
+        part.decode(&bytes, within, values).map_err(|error| Error::damaged(&path, error))
+    }
+
+    /// Fails where the run has no such frame; returns how many it has.
+    fn has(&self, frame: u64) -> Result<u64, Error> {
+        let frames = self.frames()?;
+        if frame < frames { Ok(frames) } else { Err(Error::NoFrame { frame, frames }) }
+    }
+
+    fn poses_of_layout_1(&self, name: &str, frame: u64) -> Result<Vec<f32>, Error> {
+        let array = self.array(name)?;
+        let [_, bodies, width] = *array.shape() else {
+            return Err(self.damaged(name, "it has not three dimensions"));
+        };
+        array
+            .retrieve_array_subset::<Vec<f32>>(&[frame..frame + 1, 0..bodies, 0..width])
+            .map_err(|error| self.damaged(name, error))
+    }
+
+    /// The version of the trajectory's layout, which this program knows.
+    fn layout(&self) -> Result<u64, Error> {
+        let layout = self.attributes()?.get("rockfall_trajectory").and_then(Value::as_u64);
+        let layout = layout.ok_or_else(|| self.damaged("zarr.json", "it has no version"))?;
+        if (1..=LAYOUT).contains(&layout) {
+            return Ok(layout);
+        }
+        Err(self.damaged("zarr.json", format!("it has layout {layout}, this program reads up to {LAYOUT}")))
+    }
+
+    /// The attributes of the group, which never change.
+    fn attributes(&self) -> Result<&Map<String, Value>, Error> {
+        if self.group.get().is_none() {
+            let mut metadata = self.metadata("zarr.json")?;
+            let Some(Value::Object(attributes)) = metadata.get_mut("attributes").map(Value::take) else {
+                return Err(self.damaged("zarr.json", "it has no attributes"));
+            };
+            let _ = self.group.set(attributes);
+        }
+        self.group.get().ok_or_else(|| self.damaged("zarr.json", "it has no attributes"))
+    }
+
+    /// A `zarr.json` whose checksum is right.
+    fn metadata(&self, name: &str) -> Result<Value, Error> {
+        let path = self.path.join(TRAJECTORY).join(name);
+        let text = fs::read(&path).map_err(|error| Error::damaged(&path, error))?;
+        let metadata: Value = serde_json::from_slice(&text).map_err(|error| Error::damaged(&path, error))?;
+        if is_sound(metadata.clone(), &ATTRIBUTES) {
+            Ok(metadata)
+        } else {
+            Err(Error::damaged(&path, "its checksum is another one"))
+        }
+    }
+
     fn array(&self, name: &str) -> Result<Array<FilesystemStore>, Error> {
+        self.metadata(&format!("{name}/zarr.json"))?;
         Array::open(self.store.clone(), &format!("/{name}")).map_err(|error| self.damaged(name, error))
     }
 
     fn all<T: ElementOwned>(&self, name: &str) -> Result<Vec<T>, Error> {
         let array = self.array(name)?;
+        if self.layout()? > 1 {
+            self.has_every_chunk(&array, name)?;
+        }
         array.retrieve_array_subset::<Vec<T>>(&array.subset_all()).map_err(|error| self.damaged(name, error))
+    }
+
+    /// A reader of Zarr takes a chunk that is not there for one of fill values; the writer leaves out none.
+    fn has_every_chunk(&self, array: &Array<FilesystemStore>, name: &str) -> Result<(), Error> {
+        let chunks = array.chunk_grid_shape().first().copied().unwrap_or(0);
+        let file = |chunk| self.path.join(TRAJECTORY).join(name).join(format!("c.{chunk}"));
+        match (0..chunks).map(file).find(|file| !file.is_file()) {
+            Some(file) => Err(Error::damaged(&file, "it is missing")),
+            None => Ok(()),
+        }
     }
 
     fn damaged(&self, name: &str, reason: impl ToString) -> Error {
         Error::damaged(&self.path.join(TRAJECTORY).join(name), reason)
+    }
+}
+
+/// Quaternions in steps have length 1 to a step only.
+fn unit(array: &Moving, quaternions: &mut [f32]) {
+    if array.numbers == Numbers::Bits {
+        return;
+    }
+    for q in quaternions.as_chunks_mut::<4>().0 {
+        let length = q.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
+        *q = q.map(|x| (f64::from(x) / length) as f32);
     }
 }
 

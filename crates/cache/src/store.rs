@@ -1,6 +1,7 @@
 //! Files that are there whole or not at all.
 
 use crate::Error;
+use crate::seal::seal;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
@@ -37,6 +38,9 @@ pub(crate) fn part_of(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.part"))
 }
+
+/// Where in a `zarr.json` its checksum is.
+pub(crate) const ATTRIBUTES: [&str; 1] = ["attributes"];
 
 /// A folder as a Zarr store that [`write_whole`] fills. The library's own store writes in place.
 #[derive(Debug)]
@@ -75,6 +79,22 @@ impl WholeFiles {
         self.root.join(key.as_str())
     }
 
+    /// Writes one of its files. The JSON of groups and arrays gets a checksum.
+    pub(crate) fn put(&self, key: &str, content: &[u8]) -> Result<(), Error> {
+        let path = self.root.join(key);
+        self.make_room(&path)?;
+        if path.ends_with("zarr.json") {
+            let mut metadata =
+                serde_json::from_slice(content).map_err(|error| Error::damaged(&path, error))?;
+            seal(&mut metadata, &ATTRIBUTES);
+            write_whole(&path, metadata.to_string().as_bytes())?;
+        } else {
+            write_whole(&path, content)?;
+        }
+        self.fresh.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
+        Ok(())
+    }
+
     fn keep(&self, error: Error) -> StorageError {
         let text = error.to_string();
         self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
@@ -100,11 +120,7 @@ impl WholeFiles {
 
 impl WritableStorageTraits for WholeFiles {
     fn set(&self, key: &StoreKey, value: Bytes) -> Result<(), StorageError> {
-        let path = self.path(key);
-        let written = self.make_room(&path).and_then(|()| write_whole(&path, &value));
-        written.map_err(|error| self.keep(error))?;
-        self.fresh.lock().unwrap_or_else(PoisonError::into_inner).insert(path);
-        Ok(())
+        self.put(key.as_str(), &value).map_err(|error| self.keep(error))
     }
 
     fn set_partial_many(&self, key: &StoreKey, _values: OffsetBytesIterator) -> Result<(), StorageError> {

@@ -1,6 +1,7 @@
 //! `summary.json`: what was run, how it ended, and the figures that matter.
 
 use crate::Error;
+use crate::seal::{is_sound, seal};
 use crate::store::write_whole;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -41,6 +42,9 @@ pub struct Summary {
     pub status: Status,
     /// The scene file as it was given.
     pub scene: String,
+    /// [`checksum`](crate::checksum) of `scene.toml`; empty in runs of versions that had none.
+    #[serde(default)]
+    pub scene_checksum: String,
     /// Seed of everything random.
     pub seed: u64,
     /// Name of the solver.
@@ -136,10 +140,12 @@ impl Summary {
         write_whole(path, self.to_json().as_bytes())
     }
 
-    /// The text of `summary.json`.
+    /// The text of `summary.json`, with its checksum.
     pub fn to_json(&self) -> String {
         // Only maps with keys that are not text can fail to become JSON, and there is none.
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        let mut value = serde_json::to_value(self).unwrap_or_default();
+        seal(&mut value, &[]);
+        let mut text = serde_json::to_string_pretty(&value).unwrap_or_default();
         text.push('\n');
         text
     }
@@ -162,6 +168,10 @@ impl Summary {
         }
         if head.format_version > VERSION {
             return Err(Error::Version { path: path.to_owned(), found: head.format_version });
+        }
+        let value = serde_json::from_slice(&text).map_err(|error| Error::damaged(path, error))?;
+        if !is_sound(value, &[]) {
+            return Err(Error::damaged(path, "its checksum is another one"));
         }
         serde_json::from_slice(&text).map_err(|error| Error::damaged(path, error))
     }
@@ -190,6 +200,9 @@ mod tests {
         for line in ["\"status\": \"interrupted\"", "\"kinetic_energy_J\": 0.1", "\"touch\": 1.5"] {
             assert!(text.contains(line), "{line} in {text}");
         }
+        fs::write(&path, text.replace("_J\": 0.1", "_J\": 0.2")).unwrap();
+        let error = Summary::read(&path).unwrap_err();
+        assert!(error.to_string().ends_with("its checksum is another one"), "{error}");
     }
 
     #[test]

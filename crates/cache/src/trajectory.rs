@@ -2,9 +2,12 @@
 //!
 //! | array | type | shape | what |
 //! |---|---|---|---|
-//! | `position` | float32 | frame, body, 3 | metres from the group's attribute `origin` |
-//! | `orientation` | float32 | frame, body, 4 | unit quaternion x, y, z, w, body to world |
+//! | `position` | float32, or int32 in steps | frame, body, 3 | metres from the group's attribute `origin` |
+//! | `orientation` | float32, or int16 in steps | frame, body, 4 | unit quaternion x, y, z, w, body to world |
+//! | `velocity` | float32 | frame, body, 3 | metres per second; on request |
+//! | `angular_velocity` | float32 | frame, body, 3 | radians per second; on request |
 //! | `time` | float64 | frame | simulated seconds |
+//! | `hash` | uint64 | frame | hash of the state |
 //! | `id` | uint64 | body | stable id, ascending |
 //! | `name` | string | body | empty where a body has none |
 //! | `shape` | uint32 | body | index of the shape, the scale included |
@@ -12,80 +15,116 @@
 //!
 //! A body that is not in the world at a frame is NaN there. The arrays grow with the run, and `time` grows last: its
 //! length is the number of frames that are complete, whatever happened to the program. Every file is written whole
-//! and then moved into place.
+//! and then moved into place; a chunk that has room for more frames is written anew when they have come.
 //!
-//! The format was chosen so that NumPy, xarray and any other reader of Zarr open it without a line of ours. A chunk
-//! is one frame of up to 65,536 bodies, because playback wants a moment; where bodies are few it holds several
-//! frames, because a file costs the same for ten bodies as for ten thousand. Compression is zstd at its fastest
-//! level: poses of moving bodies hardly compress, those of absent bodies vanish.
+//! The format was chosen so that NumPy, xarray and any other reader of Zarr open it without a line of ours. How the numbers of the first
+//! four lie in their chunks is told in `moving.rs`, and how they stay within a bound in `precision.rs`.
 
+use crate::moving::{Coder, Moving};
+use crate::precision::Numbers;
 use crate::store::WholeFiles;
-use crate::{BodyTable, Error, Poses, RunReader};
+use crate::{BodyTable, Error, Frame, Precision, RunReader};
 use rockfall_math::DVec3;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use std::sync::Arc;
 use zarrs::array::builder::ArrayBuilderFillValue;
 use zarrs::array::codec::{BytesCodec, ZstdCodec};
-use zarrs::array::{Array, ArrayBuilder, ArrayMetadataOptions, DataType, Element, data_type};
+use zarrs::array::{Array, ArrayBuilder, ArrayMetadataOptions, CodecOptions, DataType, Element, data_type};
 use zarrs::group::GroupBuilder;
 use zarrs::metadata::ChunkKeySeparator;
 
 /// The version of this layout, the group's attribute `rockfall_trajectory`.
-pub const LAYOUT: u64 = 1;
+pub const LAYOUT: u64 = 2;
 
-/// Bodies in a chunk, at most.
-pub const CHUNK_BODIES: usize = 65_536;
+/// Values in a chunk of the arrays that have one for each body.
+const CHUNK_BODIES: usize = 65_536;
 
-/// A chunk holds as many frames as stay below this number of poses, at least one.
-const CHUNK_POSES: usize = 16_384;
-
-/// Frames in a chunk, at most.
-const CHUNK_FRAMES: usize = 256;
-
-/// Frames in a chunk of `time`; a multiple of any power of two up to [`CHUNK_FRAMES`].
+/// Frames in a chunk of `time` and `hash`; a multiple of any number of frames in a chunk of poses.
 const CHUNK_TIMES: usize = 1024;
+
+/// A longer scene is left out of the attributes, which every reader has to go through; it is in `scene.toml` in any case.
+const SCENE_BYTES: usize = 1 << 20;
 
 /// zstd's fastest ordinary level.
 const LEVEL: i32 = 1;
+
+/// What a trajectory holds of each body at each frame, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contents {
+    /// Where positions start from, metres.
+    pub origin: DVec3,
+    /// How far poses may be off.
+    pub precision: Precision,
+    /// Whether there are velocities.
+    pub velocities: bool,
+    /// The scene as it was run, for the attributes of the group.
+    pub scene: String,
+    /// The program and its version, for the same.
+    pub rockfall: String,
+}
+
+/// Poses as they are, and nothing else.
+impl From<DVec3> for Contents {
+    fn from(origin: DVec3) -> Self {
+        Contents { origin, ..Contents::default() }
+    }
+}
+
+/// The arrays that have a value for each body at each frame, and the names of their last dimensions.
+pub(crate) const MOVING: [(&str, &str); 4] =
+    [("position", "xyz"), ("orientation", "xyzw"), ("velocity", "xyz"), ("angular_velocity", "xyz")];
+
+/// One of them, with the chunks that are not full yet.
+#[derive(Debug)]
+struct Track {
+    array: Moving,
+    attributes: Map<String, Value>,
+    /// Frame by frame.
+    values: Vec<i32>,
+}
 
 /// Writes a trajectory frame by frame.
 #[derive(Debug)]
 pub struct TrajectoryWriter {
     store: Arc<WholeFiles>,
-    bodies: usize,
-    /// Bodies in a chunk: the bodies shared out evenly, so that little of the last chunk is padding.
-    chunk: usize,
-    /// Frames in a chunk, a power of two; one where the bodies take several chunks.
+    /// Those of [`MOVING`] that there are: two or four.
+    tracks: Vec<Track>,
+    /// Frames in a chunk.
     span: usize,
-    position: Array<WholeFiles>,
-    orientation: Array<WholeFiles>,
+    coder: Coder,
     time: Array<WholeFiles>,
+    hash: Array<WholeFiles>,
     /// The chunks that are not full yet.
-    positions: Vec<f32>,
-    orientations: Vec<f32>,
     times: Vec<f64>,
+    hashes: Vec<u64>,
     /// Frames that were appended.
     frames: u64,
     /// Frames that are in the store.
     stored: u64,
+    /// Poses that were too far away.
+    too_far: u64,
 }
 
 impl TrajectoryWriter {
     /// Starts a trajectory in the folder `path`, which exists and is empty.
     ///
     /// # Errors
-    /// [`Error::Io`] names the file that could not be written.
-    pub fn create(path: &Path, table: &BodyTable, origin: DVec3, rate: f64) -> Result<Self, Error> {
+    /// [`Error::Precision`]; [`Error::Io`] names the file that could not be written.
+    pub fn create(path: &Path, table: &BodyTable, contents: &Contents, rate: f64) -> Result<Self, Error> {
+        let (position, rotation) = contents.precision.numbers()?;
         let store = Arc::new(WholeFiles::new(path.to_owned()));
         let bodies = table.len();
-        let chunk = bodies_in_chunk(bodies);
         let group = attributes([
             ("rockfall_trajectory", json!(LAYOUT)),
-            ("origin", json!(origin.to_array())),
+            ("rockfall", json!(contents.rockfall)),
+            ("origin", json!(contents.origin.to_array())),
             ("up", json!("z")),
             ("handedness", json!("right")),
             ("frames_per_second", json!(rate)),
+            ("position_error_m", json!(contents.precision.position)),
+            ("rotation_error_rad", json!(contents.precision.rotation)),
+            ("scene", json!(Some(&contents.scene).filter(|text| text.len() <= SCENE_BYTES))),
         ]);
         let built = GroupBuilder::new().attributes(group).build(store.clone(), "/");
         built
@@ -93,8 +132,8 @@ impl TrajectoryWriter {
             .store_metadata()
             .map_err(|error| store.explain(error))?;
 
-        let body =
-            Layout { store: &store, shape: vec![bodies as u64], chunk: vec![chunk as u64], names: &["body"] };
+        let chunk = bodies.clamp(1, CHUNK_BODIES) as u64;
+        let body = Layout { store: &store, shape: vec![bodies as u64], chunk: vec![chunk], names: &["body"] };
         body.write("id", data_type::uint64(), 0u64, "stable id of the body", &table.ids)?;
         body.write("name", data_type::string(), "", "name of the body, empty without", &table.names)?;
         body.write(
@@ -112,10 +151,13 @@ impl TrajectoryWriter {
             &table.scales,
         )?;
 
-        let writer = Self::empty(store, bodies, origin)?;
-        for array in [&writer.position, &writer.orientation, &writer.time] {
-            array.store_metadata().map_err(|error| writer.store.explain(error))?;
-        }
+        let numbers = [position, rotation, Numbers::Bits, Numbers::Bits];
+        let there = if contents.velocities { 4 } else { 2 };
+        let arrays = MOVING.iter().zip(numbers).take(there);
+        let arrays =
+            arrays.map(|(&(name, dimension), numbers)| Moving::new(name, dimension, numbers, bodies));
+        let writer = Self::empty(store, arrays.collect(), contents.origin)?;
+        writer.announce()?;
         Ok(writer)
     }
 
@@ -124,30 +166,31 @@ impl TrajectoryWriter {
     ///
     /// # Errors
     /// [`Error::Damaged`], before anything is touched; [`Error::Io`].
-    pub(crate) fn resume(
-        path: &Path,
-        table: &BodyTable,
-        reader: &RunReader,
-        frames: u64,
-    ) -> Result<Self, Error> {
+    pub(crate) fn resume(path: &Path, reader: &RunReader, frames: u64) -> Result<Self, Error> {
         let store = Arc::new(WholeFiles::new(path.to_owned()));
-        let mut writer = Self::empty(store, table.len(), reader.origin()?)?;
-        // Chunks that are not full have to be written anew.
-        let first = frames - 1 - (frames - 1) % writer.span as u64;
-        let times = reader.times()?;
-        let times = times.get(..frames as usize).unwrap_or(&times);
-        let full = first - first % CHUNK_TIMES as u64;
-        writer.frames = first;
-        let (before, behind) = times[full as usize..].split_at((first - full) as usize);
-        writer.times[..before.len()].copy_from_slice(before);
-        // None of these fills a chunk but the last one.
-        for (frame, &time) in (first..).zip(behind) {
-            let poses = reader.poses(frame)?;
-            if poses.positions.len() != 3 * writer.bodies || poses.orientations.len() != 4 * writer.bodies {
-                return Err(Error::damaged(path, format!("frame {frame} has another number of bodies")));
-            }
-            writer.put(time, &poses);
+        let mut writer = Self::empty(store, reader.arrays()?, reader.origin()?)?;
+        // Chunks that are not full have to be written anew. What is on disk goes back to it, number for number.
+        let row = (frames - 1) / writer.span as u64;
+        let kept = (frames - row * writer.span as u64) as usize;
+        for track in &mut writer.tracks {
+            let values = reader.row_of(&track.array, row)?;
+            let kept = kept * track.array.bodies * track.array.width;
+            track.values[..kept].copy_from_slice(&values[..kept]);
         }
+        let full = (frames - 1) / CHUNK_TIMES as u64 * CHUNK_TIMES as u64;
+        let (times, hashes) = (reader.times()?, reader.hashes()?);
+        let lengths = [times.len(), hashes.len()];
+        let (Some(times), Some(hashes)) =
+            (times.get(full as usize..frames as usize), hashes.get(full as usize..frames as usize))
+        else {
+            return Err(Error::damaged(
+                path,
+                format!("its times and hashes are {lengths:?}, expected {frames}"),
+            ));
+        };
+        writer.times[..times.len()].copy_from_slice(times);
+        writer.hashes[..hashes.len()].copy_from_slice(hashes);
+        writer.frames = frames;
         // First no more frames are said to be there than will be.
         writer.time.set_shape(vec![frames]).map_err(|error| writer.store.explain(error))?;
         writer.time.store_metadata().map_err(|error| writer.store.explain(error))?;
@@ -156,55 +199,41 @@ impl TrajectoryWriter {
     }
 
     /// Without frames; nothing of it is in the store.
-    fn empty(store: Arc<WholeFiles>, bodies: usize, origin: DVec3) -> Result<Self, Error> {
-        let (chunk, span) = (bodies_in_chunk(bodies), frames_in_chunk(bodies));
-        let moving = |last: usize, names| Layout {
-            store: &store,
-            shape: vec![0, bodies as u64, last as u64],
-            chunk: vec![span as u64, chunk as u64, last as u64],
-            names,
+    fn empty(store: Arc<WholeFiles>, arrays: Vec<Moving>, origin: DVec3) -> Result<Self, Error> {
+        let track = |array: Moving| Track {
+            attributes: about(array.name, origin),
+            values: vec![array.numbers.absent(); array.row()],
+            array,
         };
-        let position = moving(3, &["frame", "body", "xyz"]).build(
-            "position",
-            data_type::float32(),
-            f32::NAN,
-            attributes([
-                ("units", json!("m")),
-                ("axes", json!(["x", "y", "z"])),
-                ("origin", json!(origin.to_array())),
-            ]),
+        let per_frame =
+            || Layout { store: &store, shape: vec![0], chunk: vec![CHUNK_TIMES as u64], names: &["frame"] };
+        let time = per_frame().build(
+            "time",
+            data_type::float64(),
+            f64::NAN,
+            attributes([("units", json!("s")), ("description", json!("simulated seconds"))]),
         )?;
-        let orientation = moving(4, &["frame", "body", "xyzw"]).build(
-            "orientation",
-            data_type::float32(),
-            f32::NAN,
-            attributes([
-                ("units", json!("1")),
-                ("axes", json!(["x", "y", "z", "w"])),
-                ("description", json!("unit quaternion, body to world")),
-            ]),
+        let hash = per_frame().build(
+            "hash",
+            data_type::uint64(),
+            0u64,
+            attributes([(
+                "description",
+                json!("hash of ids, poses and velocities of all bodies; 0 where it was not taken"),
+            )]),
         )?;
-        let time =
-            Layout { store: &store, shape: vec![0], chunk: vec![CHUNK_TIMES as u64], names: &["frame"] }
-                .build(
-                    "time",
-                    data_type::float64(),
-                    f64::NAN,
-                    attributes([("units", json!("s")), ("description", json!("simulated seconds"))]),
-                )?;
         Ok(TrajectoryWriter {
+            span: arrays.first().map_or(1, |array| array.span),
+            tracks: arrays.into_iter().map(track).collect(),
+            coder: Coder::new().map_err(|error| store.explain(error))?,
             store,
-            bodies,
-            chunk,
-            span,
-            position,
-            orientation,
             time,
-            positions: vec![f32::NAN; span * bodies * 3],
-            orientations: vec![f32::NAN; span * bodies * 4],
+            hash,
             times: vec![f64::NAN; CHUNK_TIMES],
+            hashes: vec![0; CHUNK_TIMES],
             frames: 0,
             stored: 0,
+            too_far: 0,
         })
     }
 
@@ -213,31 +242,65 @@ impl TrajectoryWriter {
         self.stored
     }
 
-    /// Adds a frame; `poses` has a row for each body of the table. It is in the store as soon as its chunk is full,
+    /// Poses that were farther from the origin than the steps of their bound reach, and are stored as those of absent bodies.
+    pub fn too_far(&self) -> u64 {
+        self.too_far
+    }
+
+    /// Adds a frame, which has a row for each body of the table. It is in the store as soon as its chunk is full,
     /// or after [`TrajectoryWriter::flush`].
     ///
     /// # Errors
     /// [`Error::Io`] names the file that could not be written. The frames before stay readable.
-    pub fn append(&mut self, time: f64, poses: &Poses) -> Result<(), Error> {
-        self.put(time, poses);
-        if self.frames.is_multiple_of(self.span as u64) { self.flush() } else { Ok(()) }
-    }
-
-    /// Puts a frame into the chunks that are not full yet.
-    fn put(&mut self, time: f64, poses: &Poses) {
+    pub fn append(&mut self, frame: &Frame) -> Result<(), Error> {
         let slot = (self.frames % self.span as u64) as usize;
-        if slot == 0 {
-            self.positions.fill(f32::NAN);
-            self.orientations.fill(f32::NAN);
+        let sources = [
+            &frame.poses.positions,
+            &frame.poses.orientations,
+            &frame.velocities.linear,
+            &frame.velocities.angular,
+        ];
+        let mut too_large = false;
+        for (track, source) in self.tracks.iter_mut().zip(sources) {
+            let absent = track.array.numbers.absent();
+            if slot == 0 {
+                track.values.fill(absent);
+            }
+            let size = track.array.bodies * track.array.width;
+            // Where there is nothing to be had all are absent, as they are already.
+            too_large |= track.array.numbers.store(source, &mut track.values[slot * size..][..size]);
         }
-        self.positions[slot * 3 * self.bodies..][..3 * self.bodies].copy_from_slice(&poses.positions);
-        self.orientations[slot * 4 * self.bodies..][..4 * self.bodies].copy_from_slice(&poses.orientations);
+        if too_large {
+            self.take_out_too_far(slot, &frame.poses.positions);
+        }
         let time_slot = (self.frames % CHUNK_TIMES as u64) as usize;
         if time_slot == 0 {
             self.times.fill(f64::NAN);
+            self.hashes.fill(0);
         }
-        self.times[time_slot] = time;
+        self.times[time_slot] = frame.time;
+        self.hashes[time_slot] = frame.hash.unwrap_or_default();
         self.frames += 1;
+        if self.frames.is_multiple_of(self.span as u64) { self.flush() } else { Ok(()) }
+    }
+
+    /// A body of which a number could not be stored is absent from the frame altogether.
+    fn take_out_too_far(&mut self, slot: usize, positions: &[f32]) {
+        for (body, position) in positions.as_chunks::<3>().0.iter().enumerate() {
+            let at = |array: &Moving| {
+                let row = slot * array.bodies + body;
+                row * array.width..(row + 1) * array.width
+            };
+            let lacks =
+                |track: &Track| track.values[at(&track.array)].contains(&track.array.numbers.absent());
+            if !position[0].is_nan() && self.tracks.iter().take(2).any(lacks) {
+                self.too_far += 1;
+                for track in &mut self.tracks {
+                    let at = at(&track.array);
+                    track.values[at].fill(track.array.numbers.absent());
+                }
+            }
+        }
     }
 
     /// Puts all frames into the store, and hands it to the disk.
@@ -257,61 +320,64 @@ impl TrajectoryWriter {
         if self.stored == self.frames {
             return Ok(());
         }
-        let (store, frames, bodies) = (&self.store, self.frames, self.bodies as u64);
-        for (array, shape) in [
-            (&mut self.position, vec![frames, bodies, 3]),
-            (&mut self.orientation, vec![frames, bodies, 4]),
-            (&mut self.time, vec![frames]),
-        ] {
-            array.set_shape(shape).map_err(|error| store.explain(error))?;
+        let (store, frames) = (&self.store, self.frames);
+        let row = (frames - 1) / self.span as u64;
+        for Track { array, values, .. } in &self.tracks {
+            for column in 0..array.columns() {
+                let key = array.key(row, column);
+                let bytes = array.encode(values, column, &mut self.coder);
+                store.put(&key, &bytes.map_err(|error| store.explain(error))?)?;
+            }
         }
-        let index = (frames - 1) / self.span as u64;
-        for (array, values) in [(&self.position, &self.positions), (&self.orientation, &self.orientations)] {
-            let width = array.shape()[2] as usize;
-            store_chunks(array, store, index, self.span * self.chunk * width, values)?;
+        let index = [(frames - 1) / CHUNK_TIMES as u64];
+        let whole = every_chunk();
+        self.time.store_chunk_opt(&index, &self.times[..], &whole).map_err(|error| store.explain(error))?;
+        self.hash.store_chunk_opt(&index, &self.hashes[..], &whole).map_err(|error| store.explain(error))?;
+        for array in [&mut self.time, &mut self.hash] {
+            array.set_shape(vec![frames]).map_err(|error| store.explain(error))?;
         }
-        let index = (frames - 1) / CHUNK_TIMES as u64;
-        self.time.store_chunk(&[index], &self.times[..]).map_err(|error| store.explain(error))?;
-        // What is there may be seen; `time` says so last.
-        for array in [&self.position, &self.orientation, &self.time] {
-            array.store_metadata().map_err(|error| store.explain(error))?;
-        }
+        self.announce()?;
         self.stored = frames;
+        Ok(())
+    }
+
+    /// What is there may be seen; `time` says so last.
+    fn announce(&self) -> Result<(), Error> {
+        for Track { array, attributes, .. } in &self.tracks {
+            let metadata = array.metadata(self.frames, attributes).to_string();
+            self.store.put(&format!("{}/zarr.json", array.name), metadata.as_bytes())?;
+        }
+        for array in [&self.hash, &self.time] {
+            array.store_metadata().map_err(|error| self.store.explain(error))?;
+        }
         Ok(())
     }
 }
 
-/// The bodies shared out evenly among chunks.
-fn bodies_in_chunk(bodies: usize) -> usize {
-    bodies.div_ceil(bodies.div_ceil(CHUNK_BODIES).max(1)).max(1)
-}
-
-/// A power of two, so that no chunk of poses straddles two chunks of times.
-fn frames_in_chunk(bodies: usize) -> usize {
-    let fit = (CHUNK_POSES / bodies.max(1)).clamp(1, CHUNK_FRAMES);
-    1 << fit.ilog2()
-}
-
-/// Stores `values`, one or more chunks of `size` values side by side along the bodies; the last one is padded.
-fn store_chunks(
-    array: &Array<WholeFiles>,
-    store: &WholeFiles,
-    index: u64,
-    size: usize,
-    values: &[f32],
-) -> Result<(), Error> {
-    for (column, part) in values.chunks(size).enumerate() {
-        let at = [index, column as u64, 0];
-        let stored = if part.len() == size {
-            array.store_chunk(&at, part)
-        } else {
-            let mut padded = part.to_vec();
-            padded.resize(size, f32::NAN);
-            array.store_chunk(&at, padded)
-        };
-        stored.map_err(|error| store.explain(error))?;
+/// The attributes of an array of [`MOVING`].
+fn about(name: &str, origin: DVec3) -> Map<String, Value> {
+    let xyz = json!(["x", "y", "z"]);
+    match name {
+        "position" => {
+            attributes([("units", json!("m")), ("axes", xyz), ("origin", json!(origin.to_array()))])
+        }
+        "orientation" => attributes([
+            ("units", json!("1")),
+            ("axes", json!(["x", "y", "z", "w"])),
+            ("description", json!("unit quaternion, body to world")),
+        ]),
+        "velocity" => attributes([
+            ("units", json!("m s-1")),
+            ("axes", xyz),
+            ("description", json!("of the body's centre of mass")),
+        ]),
+        _ => attributes([("units", json!("rad s-1")), ("axes", xyz)]),
     }
-    Ok(())
+}
+
+/// Chunks of nothing but fill values are written as well: so one that is not there was lost.
+fn every_chunk() -> CodecOptions {
+    CodecOptions::default().with_store_empty_chunks(true)
 }
 
 fn attributes<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
@@ -368,23 +434,9 @@ impl Layout<'_> {
         for (index, part) in values.chunks(chunk).enumerate() {
             let mut part = part.to_vec();
             part.resize(chunk, T::default());
-            array.store_chunk(&[index as u64], &part[..]).map_err(|error| self.store.explain(error))?;
+            let stored = array.store_chunk_opt(&[index as u64], &part[..], &every_chunk());
+            stored.map_err(|error| self.store.explain(error))?;
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn few_bodies_share_a_chunk_and_many_do_not() {
-        assert_eq!(frames_in_chunk(0), 256);
-        assert_eq!(frames_in_chunk(10), 256);
-        assert_eq!(frames_in_chunk(1000), 16);
-        assert_eq!(frames_in_chunk(16_384), 1);
-        assert_eq!(frames_in_chunk(1_000_000), 1);
-        assert_eq!(CHUNK_TIMES % CHUNK_FRAMES, 0);
     }
 }

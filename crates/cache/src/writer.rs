@@ -3,14 +3,14 @@
 //! The simulation hands frames over through a queue of a few places and goes on; a thread of its own compresses
 //! and writes them. When the disk is slower than the simulation the queue fills and [`RunWriter::push`] waits: memory
 //! stays bounded and no frame is dropped. The buffers travel back, so that a run allocates them once. A program that
-//! is killed loses what is in the queue and, where a chunk holds several frames, the last quarter of a second.
+//! is killed loses what is in the queue, and the frames that have not filled their chunk: some, of few bodies those of a quarter of a second.
 
 use crate::store::write_whole;
 use crate::trajectory::TrajectoryWriter;
 use crate::{
-    BodyTable, Error, FRAMES, Frame, Poses, RunFolder, RunReader, SCENE, SUMMARY, Summary, TRAJECTORY, csv,
+    BodyTable, Contents, Error, FRAMES, Frame, Poses, RunFolder, RunReader, SCENE, SUMMARY, Summary,
+    TRAJECTORY, Velocities, csv,
 };
-use rockfall_math::DVec3;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,8 +21,12 @@ use std::time::{Duration, Instant};
 /// Frames that wait to be written, at most. A million bodies take 28 MB each.
 const QUEUE: usize = 4;
 
-/// The longest that a frame waits for others to fill its chunk.
+/// The least that a frame waits for others to fill its chunk,
 const FLUSH: Duration = Duration::from_millis(250);
+
+/// and how many times as long as it takes to write the chunk. Many chunks that are not full would be written many times; so that costs
+/// a hundredth of a thread at most.
+const PATIENCE: u32 = 100;
 
 /// Writes a run from a thread of its own.
 #[derive(Debug)]
@@ -30,8 +34,8 @@ pub struct RunWriter {
     /// Nobody else writes into it meanwhile.
     folder: RunFolder,
     frames: Option<SyncSender<Message>>,
-    back: Receiver<Poses>,
-    thread: Option<JoinHandle<Result<u64, Error>>>,
+    back: Receiver<(Poses, Velocities)>,
+    thread: Option<JoinHandle<Result<(u64, u64), Error>>>,
     waited: Duration,
 }
 
@@ -40,22 +44,24 @@ pub struct RunWriter {
 pub struct Written {
     /// Frames in the trajectory.
     pub frames: u64,
+    /// Poses that were farther from the origin than numbers in steps reach, and are absent; see [`TrajectoryWriter::too_far`].
+    pub too_far: u64,
     /// Time that [`RunWriter::push`] waited for a place in the queue.
     pub waited: Duration,
 }
 
 impl RunWriter {
-    /// Starts a run: writes the scene, the table of bodies and a first `summary`, and starts the thread. Positions
-    /// are relative to `origin`, metres.
+    /// Starts a run: writes the scene, the table of bodies and a first `summary`, and starts the thread. `contents` may be
+    /// an origin alone, metres: all that is written then are poses, as they are.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// [`Error::Precision`], [`Error::Io`].
     pub fn create(
         folder: &RunFolder,
         scene: &str,
         summary: &Summary,
         table: &BodyTable,
-        origin: DVec3,
+        contents: impl Into<Contents>,
     ) -> Result<Self, Error> {
         let path = folder.path();
         summary.write(&path.join(SUMMARY))?;
@@ -66,7 +72,7 @@ impl RunWriter {
         let trajectory_path = path.join(TRAJECTORY);
         fs::create_dir(&trajectory_path).map_err(|error| Error::io("create", &trajectory_path, &error))?;
         let trajectory =
-            TrajectoryWriter::create(&trajectory_path, table, origin, summary.frames_per_second)?;
+            TrajectoryWriter::create(&trajectory_path, table, &contents.into(), summary.frames_per_second)?;
         Self::start(folder, Parts { rows, rows_path, trajectory, frame: 0 })
     }
 
@@ -97,7 +103,7 @@ impl RunWriter {
                 format!("it has {frames} frames, and not frame {frame}"),
             ));
         }
-        let trajectory = TrajectoryWriter::resume(&trajectory_path, table, &reader, frame + 1)?;
+        let trajectory = TrajectoryWriter::resume(&trajectory_path, &reader, frame + 1)?;
         summary.write(&path.join(SUMMARY))?;
         let rows = File::options().append(true).open(&rows_path);
         let rows = rows.and_then(|rows| rows.set_len(kept).map(|()| rows));
@@ -112,7 +118,7 @@ impl RunWriter {
         let thread = thread::Builder::new()
             .name("run writer".into())
             .spawn(move || {
-                let mut flushed = Instant::now();
+                let (mut flushed, mut took) = (Instant::now(), Duration::ZERO);
                 loop {
                     match queue.recv_timeout(FLUSH) {
                         Ok(Message::Sync(done)) => {
@@ -123,18 +129,20 @@ impl RunWriter {
                         Ok(Message::Frame(frame)) => {
                             parts.write(&frame)?;
                             // Nobody wants the buffer any more when the simulation has ended.
-                            let _ = give_back.send(frame.poses);
+                            let _ = give_back.send((frame.poses, frame.velocities));
                         }
                         Err(RecvTimeoutError::Timeout) => {}
                         Err(RecvTimeoutError::Disconnected) => break,
                     }
-                    if flushed.elapsed() >= FLUSH {
+                    if flushed.elapsed() >= FLUSH.max(PATIENCE * took) {
+                        let start = Instant::now();
                         parts.trajectory.flush()?;
                         flushed = Instant::now();
+                        took = flushed - start;
                     }
                 }
                 parts.trajectory.flush()?;
-                Ok(parts.trajectory.stored())
+                Ok((parts.trajectory.stored(), parts.trajectory.too_far()))
             })
             .map_err(|error| Error::io("start the thread that writes", folder.path(), &error))?;
         Ok(RunWriter {
@@ -146,8 +154,13 @@ impl RunWriter {
         })
     }
 
-    /// A buffer for the next frame: a former one where it has come back.
+    /// A buffer for the poses of the next frame: a former one where it has come back.
     pub fn buffer(&self) -> Poses {
+        self.buffers().0
+    }
+
+    /// The same for poses and velocities.
+    pub fn buffers(&self) -> (Poses, Velocities) {
         self.back.try_recv().unwrap_or_default()
     }
 
@@ -201,8 +214,8 @@ impl RunWriter {
     /// # Errors
     /// The one that ended the writing.
     pub fn finish(mut self) -> Result<Written, Error> {
-        let frames = self.join()?;
-        Ok(Written { frames, waited: self.waited })
+        let (frames, too_far) = self.join()?;
+        Ok(Written { frames, too_far, waited: self.waited })
     }
 
     /// Time that the simulation waited for this so far.
@@ -216,7 +229,7 @@ impl RunWriter {
     }
 
     /// Closes the queue and waits for the thread.
-    fn join(&mut self) -> Result<u64, Error> {
+    fn join(&mut self) -> Result<(u64, u64), Error> {
         self.frames = None;
         let gone = || Error::WriterGone(self.folder.path().to_owned());
         self.thread.take().ok_or_else(gone)?.join().map_err(|_| gone())?
@@ -257,7 +270,7 @@ impl Parts {
             self.write_row(&csv::row(self.frame, frame.time, report, frame.hash))?;
         }
         self.frame += 1;
-        self.trajectory.append(frame.time, &frame.poses)
+        self.trajectory.append(frame)
     }
 
     fn sync(&mut self) -> Result<(), Error> {

@@ -57,7 +57,8 @@ pub(crate) struct RunArgs {
     pub(crate) scene: Option<PathBuf>,
     /// Go on with the run in this folder, from its last checkpoint. Only threads, lanes and what is printed can be chosen.
     #[arg(long, value_name = "DIR", conflicts_with_all = [
-        "scene", "out", "overwrite", "no_output", "frames", "solver", "substeps", "seed", "dry_run",
+        "scene", "out", "overwrite", "no_output", "frames", "solver", "substeps", "seed", "position_error", "rotation_error",
+        "dry_run",
     ])]
     pub(crate) resume: Option<PathBuf>,
     /// Save the whole state every so many frames, or so much time (90s, 10min, 1h), or never; the last two are kept.
@@ -90,6 +91,12 @@ pub(crate) struct RunArgs {
     /// Seed of everything random [default: the scene's].
     #[arg(long, value_name = "N")]
     pub(crate) seed: Option<u64>,
+    /// Metres by which positions on disk may be off; they take less space then [default: the scene's].
+    #[arg(long, value_name = "M", value_parser = |text: &str| within(text, 1e-6, 1000.0))]
+    pub(crate) position_error: Option<f64>,
+    /// Degrees by which rotations on disk may be off; they take less space then [default: the scene's].
+    #[arg(long, value_name = "DEG", value_parser = |text: &str| within(text, 0.0075, 20.0))]
+    pub(crate) rotation_error: Option<f64>,
     /// Print the summary as JSON on standard output.
     #[arg(long)]
     pub(crate) json: bool,
@@ -241,6 +248,12 @@ fn lanes(text: &str) -> Result<usize, String> {
         Ok(lanes @ (1 | 4 | 8 | 16)) => Ok(lanes),
         _ => Err("expected 1, 4, 8 or 16".into()),
     }
+}
+
+/// A number between two others.
+fn within(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("expected a number from {least} to {most}"))
 }
 
 /// A number of frames, a time, or `never`.

@@ -22,6 +22,12 @@ pub(crate) fn open(path: &Path, args: &RunArgs) -> Result<Scene, Failure> {
     if let Some(seed) = args.seed {
         scene.override_seed(seed);
     }
+    if let Some(bound) = args.position_error {
+        scene.override_position_error(bound);
+    }
+    if let Some(bound) = args.rotation_error {
+        scene.override_rotation_error(bound);
+    }
     let all = || available_parallelism().map_or(1, usize::from);
     scene.settings.threads = args.threads.map_or_else(all, usize::from);
     scene.settings.lanes = Width::new(args.lanes.unwrap_or(0)).lanes();

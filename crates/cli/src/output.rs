@@ -8,10 +8,12 @@ use rockfall::math::DVec3;
 use rockfall::math::hash::combine;
 use rockfall::snapshot;
 use rockfall::{StepReport, World};
-use rockfall_cache::{BodyTable, Checkpoint, Frame, RunFolder, RunReader, RunWriter, Summary};
+use rockfall_cache::{
+    BodyTable, Checkpoint, Contents, Frame, Precision, RunFolder, RunReader, RunWriter, Summary, Written,
+};
 use rockfall_scene::{Running, Scene};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Where runs go when nobody says where.
 const RUNS: &str = "runs";
@@ -26,6 +28,8 @@ pub(crate) struct Output {
     writer: RunWriter,
     table: BodyTable,
     origin: DVec3,
+    /// Whether velocities are written.
+    velocities: bool,
     /// Hash of the scene as it was run, by which checkpoints are known.
     scene: u64,
     every: Every,
@@ -68,10 +72,22 @@ impl Output {
         let table = table(running);
         let origin = origin(running.world.poses().iter().map(|pose| pose.position));
         let text = scene.to_toml_filled();
-        let writer = RunWriter::create(folder, &text, summary, &table, origin)?;
-        let scene = hash(&text);
+        let hash = hash(&text);
+        let wanted = scene.output;
+        let contents = Contents {
+            origin,
+            precision: Precision {
+                position: wanted.position_error,
+                rotation: wanted.rotation_error.map(f64::to_radians),
+            },
+            velocities: wanted.velocities,
+            scene: text.clone(),
+            rockfall: summary.rockfall.clone(),
+        };
+        let writer = RunWriter::create(folder, &text, summary, &table, contents)?;
         let (every, last) = (args.checkpoint_every, (Instant::now(), 0));
-        let mut output = Output { writer, table, origin, scene, every, last };
+        let velocities = wanted.velocities;
+        let mut output = Output { writer, table, origin, velocities, scene: hash, every, last };
         output.push(&running.world, None)?;
         Ok(output)
     }
@@ -88,12 +104,12 @@ impl Output {
         let table = table(running);
         let origin = RunReader::open(folder.path())?.origin()?;
         let writer = RunWriter::resume(folder, summary, &table, frame, running.world.hash())?;
-        let scene = hash(&scene.to_toml_filled());
         Ok(Output {
             writer,
             table,
             origin,
-            scene,
+            velocities: scene.output.velocities,
+            scene: hash(&scene.to_toml_filled()),
             every: args.checkpoint_every,
             last: (Instant::now(), frame),
         })
@@ -130,11 +146,15 @@ impl Output {
 
     /// Hands the state of the world over to be written.
     pub(crate) fn push(&mut self, world: &World, report: Option<&StepReport>) -> Result<(), Failure> {
-        let mut poses = self.writer.buffer();
-        poses.gather(&self.table, self.origin, &world.ids(), &world.poses())?;
+        let (mut poses, mut velocities) = self.writer.buffers();
+        let ids = world.ids();
+        poses.gather(&self.table, self.origin, &ids, &world.poses())?;
+        if self.velocities {
+            velocities.gather(&self.table, &ids, &world.velocities())?;
+        }
         let time = report.map_or(0.0, |report| report.time);
-        let hash = report.map(|_| world.hash());
-        self.writer.push(Frame { time, poses, report: report.cloned(), hash })?;
+        let hash = Some(world.hash());
+        self.writer.push(Frame { time, poses, velocities, report: report.cloned(), hash })?;
         Ok(())
     }
 
@@ -143,9 +163,9 @@ impl Output {
         self.writer.path()
     }
 
-    /// Waits for what is still to be written, and says how long the simulation had to wait for the disk.
-    pub(crate) fn finish(self) -> Result<Duration, Failure> {
-        Ok(self.writer.finish()?.waited)
+    /// Waits for what is still to be written, and says what was, and how long the simulation had to wait for the disk.
+    pub(crate) fn finish(self) -> Result<Written, Failure> {
+        Ok(self.writer.finish()?)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::progress::Progress;
 use crate::stop::Stop;
 use crate::summary::{self, Tally};
 use crate::{open, say, units};
-use rockfall_cache::{Checkpoint, RunFolder, SCENE, SUMMARY, Status, Summary};
+use rockfall_cache::{Checkpoint, RunFolder, SCENE, SUMMARY, Status, Summary, Written};
 use rockfall_scene::Running;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -78,6 +78,9 @@ fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
     if !checkpoints.is_empty() {
         return Err(rockfall_cache::Error::NoCheckpoint { path: path.to_owned() }.into());
     }
+    if !former.scene_checksum.is_empty() && former.scene_checksum != summary.scene_checksum {
+        return Err(Failure::Run(format!("{} is not the scene that was run", scene_path.display())));
+    }
     note(args, "there is no checkpoint yet: starting again");
     folder.clear()?;
     let tally = Tally::new(start.elapsed());
@@ -107,15 +110,22 @@ impl Job {
         progress.finish();
 
         let Job { running, tally, output, mut summary, .. } = self;
-        let written = output.map_or(Ok(Duration::ZERO), Output::finish);
+        let written = output.map_or(Ok(Written::default()), Output::finish);
         let complete = simulated.as_ref().ok().filter(|_| written.is_ok());
         summary.status = complete.copied().unwrap_or(Status::Failed);
         summary.hash = format!("{:016x}", running.world.hash());
-        tally.fill(&mut summary, *written.as_ref().unwrap_or(&Duration::ZERO), running.world.memory());
+        let waited = written.as_ref().map_or(Duration::ZERO, |written| written.waited);
+        tally.fill(&mut summary, waited, running.world.memory());
         // Even a disk that refused poses may take the few bytes that say so.
         let told = folder.as_ref().map_or(Ok(()), |path| summary.write(&path.join(SUMMARY)));
         let status = simulated?;
-        written?;
+        let too_far = written?.too_far;
+        if too_far > 0 {
+            say::error(&format!(
+                "Warning: {} poses were too far from the origin for the bound on positions, and are absent on disk",
+                units::count(too_far)
+            ));
+        }
         told?;
         if let (Status::Finished, Some(path)) = (status, &folder) {
             Checkpoint::remove_all(path)?;

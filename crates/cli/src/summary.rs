@@ -4,7 +4,7 @@ use crate::args::solver_name;
 use crate::units;
 use rockfall::snapshot::{self, Reader, Writer};
 use rockfall::{STAGES, StepReport};
-use rockfall_cache::{FORMAT, Final, Status, Summary, VERSION, Whole};
+use rockfall_cache::{FORMAT, Final, Status, Summary, VERSION, Whole, checksum};
 use rockfall_scene::Scene;
 use std::fmt::Write;
 use std::path::Path;
@@ -19,6 +19,7 @@ pub(crate) fn head(path: &Path, scene: &Scene) -> Summary {
         rockfall: env!("CARGO_PKG_VERSION").into(),
         status: Status::Running,
         scene: path.display().to_string(),
+        scene_checksum: checksum(scene.to_toml_filled().as_bytes()),
         seed: scene.seed,
         solver: solver_name(settings.solver).into(),
         substeps: settings.substeps,

@@ -3,8 +3,9 @@
 use crate::args::VerifyArgs;
 use crate::exit::Failure;
 use crate::{say, units};
-use rockfall_cache::{Checkpoint, Error, FRAMES, Poses, RunReader, SCENE, Status, csv};
+use rockfall_cache::{Checkpoint, Error, FRAMES, Poses, RunReader, SCENE, Status, checksum, csv};
 use rockfall_scene::Scene;
+use std::fs;
 
 /// How far a rotation may be from length 1, which single precision keeps to 1e-6.
 const UNIT: f32 = 1e-4;
@@ -16,6 +17,13 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
     let mut wrong: Vec<String> = Vec::new();
     if let Err(error) = Scene::load(run.join(SCENE)) {
         wrong.push(error.render(false));
+    }
+    let expected = &reader.summary().scene_checksum;
+    if !expected.is_empty() && fs::read(run.join(SCENE)).is_ok_and(|text| checksum(&text) != *expected) {
+        wrong.push(format!(
+            "{} is not the scene that was run: its checksum is another one",
+            run.join(SCENE).display()
+        ));
     }
     let rows = csv::read(&run.join(FRAMES)).unwrap_or_else(|error| {
         wrong.push(error.to_string());
@@ -50,18 +58,22 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
 
 /// Reads every frame. Returns how many there are.
 fn trajectory(reader: &RunReader, rows: &[csv::Row], wrong: &mut Vec<String>) -> Result<u64, Error> {
-    let (bodies, times) = (reader.bodies()?, reader.times()?);
+    let (bodies, times, hashes) = (reader.bodies()?, reader.times()?, reader.hashes()?);
     if !bodies.ids.is_sorted_by(|a, b| a < b) {
         wrong.push("ids of the trajectory do not ascend".into());
     }
     for (frame, &time) in (0_u64..).zip(&times) {
         let expected = if frame == 0 { Some(0.0) } else { rows.get(frame as usize - 1).map(|row| row.time) };
+        let said = (frame > 0).then(|| rows.get(frame as usize - 1)?.hash).flatten();
+        if hashes.get(frame as usize).is_some_and(|&hash| said.is_some_and(|said| said != hash)) {
+            wrong.push(format!("frame {frame} has one hash in the trajectory, and another one in {FRAMES}"));
+        }
         if expected.is_some_and(|expected| expected != time) {
             wrong.push(format!(
                 "frame {frame} is of {time} s in the trajectory, and of another time in {FRAMES}"
             ));
         }
-        match reader.poses(frame) {
+        match reader.poses(frame).and_then(|poses| reader.velocities(frame).map(|_| poses)) {
             Ok(poses) if is_sound(&poses, bodies.len()) => {}
             Ok(_) => wrong.push(format!("frame {frame} of the trajectory has a pose that no body can have")),
             Err(error) => wrong.push(error.to_string()),

@@ -39,6 +39,14 @@ rate = 30
 region = { min = [-1, -1, 6], max = [1, 1, 7] }
 "#;
 
+/// Everything that a run can write.
+const ALL_OUTPUT: &str = "
+[output]
+position_error = 0.0001
+rotation_error = 0.1
+velocities = true
+";
+
 fn place() -> Place {
     Place::with("heap.toml", SCENE_TEXT)
 }
@@ -62,12 +70,13 @@ fn ends_as_the_whole(place: &Place, options: &str, hash: &str) {
     same(&place.path("whole"), &place.path("part"));
 }
 
-/// The rows of `frames.csv` without the times of the stages.
+/// The rows of `frames.csv` without the times of the stages, and the checksums that cover them.
 fn rows(run: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(run.join(FRAMES)).unwrap();
     let names: Vec<String> = text.lines().next().unwrap().split(',').map(str::to_owned).collect();
     let row = |line: &str| -> Vec<String> {
-        let cells = line.split(',').zip(&names).filter(|(_, name)| !name.ends_with("_ms"));
+        let cells =
+            line.split(',').zip(&names).filter(|(_, name)| !name.ends_with("_ms") && *name != "checksum");
         cells.map(|(cell, _)| cell.to_owned()).collect()
     };
     text.lines().map(row).collect()
@@ -84,6 +93,7 @@ fn same(whole: &Path, part: &Path) {
         };
         assert!(bits(&a) == bits(&b), "frame {frame}");
     }
+    assert_eq!(a.hashes().unwrap(), b.hashes().unwrap());
     assert_eq!(rows(whole), rows(part));
     let (a, b) = (a.summary(), b.summary());
     assert_eq!((&a.hash, &a.last, a.status, a.frames), (&b.hash, &b.last, b.status, b.frames));
@@ -114,7 +124,7 @@ fn random(i: u64) -> f64 {
 
 /// Kills runs at `kills` moments, some of them several times, and goes on with each.
 fn killed(kills: u64) {
-    let place = place();
+    let place = Place::with("heap.toml", &format!("{SCENE_TEXT}{ALL_OUTPUT}"));
     let start = Instant::now();
     let hash = whole(&place);
     let length = start.elapsed();
@@ -286,52 +296,123 @@ fn a_run_without_a_checkpoint_starts_again() {
     ends_as_the_whole(&place, "", &hash);
 }
 
+/// A small file system in memory, for as long as it is kept.
+struct Disk {
+    path: PathBuf,
+}
+
+impl Disk {
+    /// One of so many megabytes at the place's `disk`, or `None`, with a word of it, where a test may mount nothing.
+    fn mount(place: &Place, megabytes: u32) -> Option<Disk> {
+        let path = place.path("disk");
+        fs::create_dir(&path).unwrap();
+        let size = format!("size={megabytes}m");
+        let mount = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(&path).output();
+        if mount.is_ok_and(|done| done.status.success()) {
+            return Some(Disk { path });
+        }
+        let root = Command::new("id").arg("-u").output().is_ok_and(|id| id.stdout == b"0\n");
+        assert!(
+            !(root && std::env::var_os("CI").is_some()),
+            "root could mount no file system, so no disk was filled"
+        );
+        println!("SKIPPED: this machine lets the test mount no file system, so no disk was filled");
+        None
+    }
+
+    /// Makes it one that nobody may write to, or gives that back.
+    fn allow(&self, what: &str) {
+        let options = format!("remount,{what}");
+        assert!(Command::new("mount").args(["-o", &options]).arg(&self.path).status().unwrap().success());
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(&self.path).status();
+    }
+}
+
 /// Runs in a file system of 3 MB that is filled to the brim.
 #[test]
 fn a_full_disk_stops_the_run_and_it_goes_on_when_there_is_room() {
     let place = place();
     let hash = whole(&place);
-    let disk = place.path("disk");
-    fs::create_dir(&disk).unwrap();
-    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=3m", "tmpfs"]).arg(&disk).output();
-    if !mount.is_ok_and(|done| done.status.success()) {
-        println!("SKIPPED: this machine lets the test mount no file system, so no disk was filled");
-        return;
-    }
-    let filled = std::panic::catch_unwind(|| {
-        let filler = disk.join("filler");
-        let mut resumed = 0;
-        for room in [2_500_000, 700_000, 150_000, 20_000, 0] {
-            let _ = fs::remove_dir_all(disk.join("part"));
-            // Less is written where the disk is full earlier.
-            let _ = fs::write(&filler, vec![1; (3 << 20) - room]);
-            let run = place.rockfall("run heap.toml --out disk/part --checkpoint-every 3 --quiet");
-            let text = error(&run);
-            if run.status.success() {
-                continue;
-            }
-            expect(&run, 1);
-            assert!(text.contains("disk/part") && text.contains("free some space"), "{text}");
-            let whole = RunReader::open(&place.path("whole")).unwrap();
-            is_readable(&disk.join("part"), &whole);
-            // Without more room it fails again, and loses nothing.
-            let again = place.rockfall("run --resume disk/part --quiet");
-            assert!(!again.status.success());
-            is_readable(&disk.join("part"), &whole);
-            fs::remove_file(&filler).unwrap();
-            if RunReader::open(&disk.join("part")).is_err() {
-                continue;
-            }
-            let run = place.rockfall("run --resume disk/part --hash --quiet --checkpoint-every never");
-            expect(&run, 0);
-            assert_eq!(out(&run), hash);
-            resumed += 1;
+    let Some(disk) = Disk::mount(&place, 3) else { return };
+    let whole = RunReader::open(&place.path("whole")).unwrap();
+    let (part, filler) = (disk.path.join("part"), disk.path.join("filler"));
+    let mut resumed = 0;
+    for room in [500_000, 400_000, 300_000, 200_000, 100_000, 20_000, 0] {
+        let _ = fs::remove_dir_all(&part);
+        // Less is written where the disk is full earlier.
+        let _ = fs::write(&filler, vec![1; (3 << 20) - room]);
+        let run = place.rockfall("run heap.toml --out disk/part --checkpoint-every 3 --quiet");
+        let text = error(&run);
+        if run.status.success() {
+            continue;
         }
-        resumed
-    });
-    let _ = Command::new("umount").arg(&disk).status();
-    let resumed = filled.unwrap();
+        expect(&run, 1);
+        assert!(text.contains("disk/part") && text.contains("free some space"), "{text}");
+        is_readable(&part, &whole);
+        // Without more room it fails again, and loses nothing.
+        let again = place.rockfall("run --resume disk/part --quiet");
+        assert!(!again.status.success());
+        is_readable(&part, &whole);
+        fs::remove_file(&filler).unwrap();
+        if RunReader::open(&part).is_err() {
+            continue;
+        }
+        let run = place.rockfall("run --resume disk/part --hash --quiet --checkpoint-every never");
+        expect(&run, 0);
+        assert_eq!(out(&run), hash);
+        resumed += 1;
+    }
     assert!(resumed >= 2, "{resumed} runs went on");
+}
+
+/// Nothing is lost where nobody may write; and the run goes on when somebody may.
+#[test]
+fn a_disk_that_is_read_only_is_told_of() {
+    let place = place();
+    let hash = whole(&place);
+    let Some(disk) = Disk::mount(&place, 30) else { return };
+    let mut child = begin(&place, "run heap.toml --out disk/part --checkpoint-every 20 --quiet");
+    wait_for("checkpoint", || Checkpoint::all(&disk.path.join("part")).is_ok_and(|all| all.len() == 2));
+    let _ = child.kill();
+    child.wait().unwrap();
+    disk.allow("ro");
+    for arguments in ["run --resume disk/part --quiet", "run heap.toml --out disk/new --quiet"] {
+        let refused = place.rockfall(arguments);
+        expect(&refused, 1);
+        let text = error(&refused);
+        assert!(text.contains("disk/") && text.contains("you may write to"), "{text}");
+    }
+    assert!(is_readable(&disk.path.join("part"), &RunReader::open(&place.path("whole")).unwrap()) > 20);
+    expect(&place.rockfall("verify disk/part"), 0);
+    disk.allow("rw");
+    let run = place.rockfall("run --resume disk/part --hash --quiet");
+    expect(&run, 0);
+    assert_eq!(out(&run), hash);
+}
+
+/// Promise: a run whose folder is gone says so, and makes no second one without a beginning.
+#[test]
+fn a_folder_that_is_removed_ends_the_run() {
+    let place = place();
+    let mut child = place
+        .command("run heap.toml --out part --frames 100000 --checkpoint-every 20 --quiet")
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let part = place.path("part");
+    wait_for("frame", || RunReader::open(&part).and_then(|run| run.frames()).is_ok_and(|frames| frames > 20));
+    fs::rename(&part, place.path("elsewhere")).unwrap();
+    let mut text = String::new();
+    std::io::Read::read_to_string(child.stderr.as_mut().unwrap(), &mut text).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{text}");
+    assert!(text.contains("part/") && text.contains("was the folder moved or removed?"), "{text}");
+    assert!(!part.exists());
+    assert!(RunReader::open(&place.path("elsewhere")).unwrap().frames().unwrap() > 20);
 }
 
 fn copy_folder(from: &Path, to: &Path) {
@@ -384,6 +465,14 @@ fn verify_and_diff_tell_what_is_wrong() {
         *bytes = [&lines[..7], &lines[8..]].concat().concat();
     });
     wrong(&whole.join(FRAMES), "the summary has 300 frames", &|bytes| bytes.truncate(20_000));
+    let scene = whole.join(SCENE);
+    for at in [0, 9, 40, 200] {
+        wrong(&scene, "its checksum is another one", &|bytes| bytes[at] ^= 0x01);
+    }
+    wrong(&whole.join(TRAJECTORY).join("hash/zarr.json"), "its checksum is another one", &|bytes| {
+        let at = bytes.windows(7).position(|word| word == b"\"shape\"").unwrap() + 10;
+        bytes[at] = b'2';
+    });
     expect(&place.rockfall("verify whole"), 0);
 
     let same = place.rockfall("diff whole whole");

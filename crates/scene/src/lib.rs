@@ -42,6 +42,7 @@ pub use manual::keys as manual;
 pub use memory::Estimate;
 pub use plan::{BodyRow, Cut};
 pub use rockfall_decompose::Misfit;
+pub use root::Output;
 pub use running::Running;
 pub use scene::{Inventory, Scene};
 pub use schema::schema;

@@ -143,7 +143,7 @@ fn read(path: &Path) -> Result<String, (String, &'static str)> {
     })
 }
 
-/// Later files add to earlier ones; keys of `[world]` that they give win.
+/// Later files add to earlier ones; keys of `[world]` and `[output]` that they give win.
 fn merge(roots: Vec<Table>, problems: &mut Vec<Problem>) -> Option<Table> {
     let mut roots = roots.into_iter();
     let mut all = roots.next()?;
@@ -155,7 +155,7 @@ fn merge(roots: Vec<Table>, problems: &mut Vec<Problem>) -> Option<Table> {
                 continue;
             };
             match (&mut mine.value, node.value) {
-                (Value::Table(mine), Value::Table(theirs)) => merge_world(mine, theirs),
+                (Value::Table(mine), Value::Table(theirs)) => merge_tables(mine, theirs),
                 (Value::Named(mine), Value::Named(theirs)) => {
                     for (name, node) in theirs {
                         if mine.iter().any(|(n, _)| *n == name) {
@@ -175,7 +175,7 @@ fn merge(roots: Vec<Table>, problems: &mut Vec<Problem>) -> Option<Table> {
     Some(all)
 }
 
-fn merge_world(mine: &mut Table, theirs: Table) {
+fn merge_tables(mine: &mut Table, theirs: Table) {
     mine.span = theirs.span;
     for (key, node) in theirs.entries.into_iter().filter(|(_, n)| n.given) {
         // These two say the same thing.
@@ -196,7 +196,7 @@ fn merge_world(mine: &mut Table, theirs: Table) {
 fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     if let Some(world) = root.table("world") {
         match root::frames(world) {
-            Ok(frames) => edit_world(root, |world| {
+            Ok(frames) => edit(root, "world", |world| {
                 world.unset("duration");
                 world.set("frames", Value::Int(frames));
             }),
@@ -239,11 +239,11 @@ fn absolute_paths(root: &mut Table, sources: &Sources) {
     }
 }
 
-/// Changes `[world]`.
-pub(crate) fn edit_world(root: &mut Table, edit: impl FnOnce(&mut Table)) {
-    let world = root.entries.iter_mut().find(|(k, _)| *k == "world");
-    if let Some((_, Node { value: Value::Table(world), .. })) = world {
-        edit(world);
+/// Changes one of the scene's tables, `world` or `output`.
+pub(crate) fn edit(root: &mut Table, name: &str, edit: impl FnOnce(&mut Table)) {
+    let table = root.entries.iter_mut().find(|(k, _)| *k == name);
+    if let Some((_, Node { value: Value::Table(table), .. })) = table {
+        edit(table);
     }
 }
 

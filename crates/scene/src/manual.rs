@@ -3,7 +3,7 @@
 use crate::body::BODY;
 use crate::generators::GENERATORS;
 use crate::region::REGIONS;
-use crate::root::{MATERIAL, ROOT, WORLD};
+use crate::root::{MATERIAL, OUTPUT, ROOT, WORLD};
 use crate::rotation::AXIS_DEGREES;
 use crate::shapes::{PART, SHAPES};
 use crate::sizes::SIZES;
@@ -17,6 +17,7 @@ pub fn keys() -> String {
     let mut out = String::new();
     section(&mut out, "## The file", &ROOT, false);
     section(&mut out, "## `[world]`", &WORLD, false);
+    section(&mut out, "## `[output]`", &OUTPUT, false);
     section(&mut out, "## `[materials.NAME]`", &MATERIAL, false);
     heading(&mut out, "## `[shapes.NAME]`", "The key `kind` says what it is.");
     for spec in SHAPES.cases {
@@ -84,7 +85,8 @@ mod tests {
     fn every_example_of_the_manual_is_right() {
         let shapes: String = SHAPES.cases.iter().map(|c| c.example).collect();
         let generators: String = GENERATORS.cases.iter().map(|c| c.example).collect();
-        let others = [&super::WORLD, &super::MATERIAL, &super::BODY].map(|s| s.example).concat();
+        let others =
+            [&super::WORLD, &super::OUTPUT, &super::MATERIAL, &super::BODY].map(|s| s.example).concat();
         let text = format!("{others}{shapes}{generators}");
         if let Err(error) = Scene::parse(&text, "manual", ".") {
             panic!("{}", error.render(false));

@@ -1,4 +1,4 @@
-//! The keys of a scene file and of its tables `[world]` and `[materials.NAME]`, and how they are read.
+//! The keys of a scene file and of its tables `[world]`, `[output]` and `[materials.NAME]`, and how they are read.
 
 use crate::body::BODY;
 use crate::error::Problem;
@@ -29,6 +29,7 @@ position = [0, 0, 10]
              first; a key of `[world]` that is set here wins over theirs. A file that is included twice is read once.",
         ),
         key("world", Ty::Table(&WORLD), "{}", "What holds for the whole scene."),
+        key("output", Ty::Table(&OUTPUT), "{}", "What a run writes of each body at each frame."),
         key(
             "materials",
             Ty::Named(&Ty::Table(&MATERIAL)),
@@ -109,6 +110,54 @@ substeps = 8
         key("continuous", Ty::Bool, "true", "Fast bodies are stopped at what they would pass through."),
     ]],
 };
+
+/// Bounds that [`Output`] can have, m.
+const POSITION_ERROR: Range = Range { min: 1e-6, max: 1000.0 };
+/// The same in degrees: what two bytes a number resolve, and an angle beyond which nothing is recognised.
+const ROTATION_ERROR: Range = Range { min: 0.0075, max: 20.0 };
+
+pub(crate) static OUTPUT: Spec = Spec {
+    name: "output",
+    about: "What a run writes of each body at each frame. It changes nothing of the simulation, and nothing of its hash.",
+    example: r#"[output]
+position_error = 0.0001 # a tenth of a millimetre
+rotation_error = 0.1
+"#,
+    groups: &[&[
+        optional(
+            "position_error",
+            Ty::Number(POSITION_ERROR),
+            "Positions on disk may be off by so much, m, and take less space. As they are, in single precision, where not given.",
+        ),
+        optional(
+            "rotation_error",
+            Ty::Number(ROTATION_ERROR),
+            "Rotations on disk may be off by so much, degrees. As they are, in single precision, where not given.",
+        ),
+        key("velocities", Ty::Bool, "false", "Velocities are written as well, in single precision."),
+    ]],
+};
+
+/// What a run writes of each body at each frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Output {
+    /// Positions may be off by so much, metres; as they are where `None`.
+    pub position_error: Option<f64>,
+    /// Rotations may be off by so much, degrees; as they are where `None`.
+    pub rotation_error: Option<f64>,
+    /// Velocities are written as well.
+    pub velocities: bool,
+}
+
+/// What `[output]` says.
+pub(crate) fn output(table: &Table) -> Output {
+    let bound = |key| table.has(key).then(|| table.f64(key));
+    Output {
+        position_error: bound("position_error"),
+        rotation_error: bound("rotation_error"),
+        velocities: table.bool("velocities"),
+    }
+}
 
 const MIXES: &[&str] = &["average", "geometric-mean", "minimum", "product", "maximum"];
 const FRICTION: Range = Range { min: 0.0, max: 1000.0 };

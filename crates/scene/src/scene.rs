@@ -5,6 +5,7 @@ use crate::load::{self, Loader};
 use crate::memory::{self, Estimate};
 use crate::node::{Table, Value};
 use crate::plan::{BodyRow, Cut, Plan, cuts, plan};
+use crate::root::Output;
 use crate::running::Running;
 use crate::source::{Source, Sources};
 use crate::{root, write};
@@ -37,6 +38,8 @@ pub struct Scene {
     pub frames: u64,
     /// All random numbers of the scene come from it.
     pub seed: u64,
+    /// What a run of it writes.
+    pub output: Output,
     root: Table,
     sources: Sources,
 }
@@ -85,7 +88,8 @@ impl Scene {
         let missing = || SceneError::one(Problem::new("the scene has no `[world]`"), &sources);
         let world = root.table("world").ok_or_else(missing)?;
         let (settings, frames, seed) = (root::settings(world), world.int("frames"), world.int("seed"));
-        Ok(Scene { settings, frames, seed, root, sources })
+        let output = root.table("output").map(root::output).unwrap_or_default();
+        Ok(Scene { settings, frames, seed, output, root, sources })
     }
 
     /// Another seed: other random numbers.
@@ -112,8 +116,20 @@ impl Scene {
         self.set("substeps", Value::Int(substeps.into()));
     }
 
+    /// Positions on disk may be off by so much, metres: from 1e-6 to 1000.
+    pub fn override_position_error(&mut self, bound: f64) {
+        self.output.position_error = Some(bound);
+        load::edit(&mut self.root, "output", |output| output.set("position_error", Value::Number(bound)));
+    }
+
+    /// Rotations on disk may be off by so much, degrees: from 0.0075 to 20.
+    pub fn override_rotation_error(&mut self, bound: f64) {
+        self.output.rotation_error = Some(bound);
+        load::edit(&mut self.root, "output", |output| output.set("rotation_error", Value::Number(bound)));
+    }
+
     fn set(&mut self, key: &'static str, value: Value) {
-        load::edit_world(&mut self.root, |world| world.set(key, value));
+        load::edit(&mut self.root, "world", |world| world.set(key, value));
     }
 
     /// Bodies, those included that will be poured.

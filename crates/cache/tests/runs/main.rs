@@ -1,5 +1,7 @@
 //! Runs on disk, written from several sides and read from several others.
 
+mod bounded;
+mod corrupt;
 mod promises;
 mod python;
 mod resume;

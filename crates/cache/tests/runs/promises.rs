@@ -3,6 +3,7 @@
 use crate::synthetic;
 use rockfall_cache::{Error, FRAMES, LOCK, Poses, RunFolder, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
 use std::fs;
+use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -21,7 +22,7 @@ fn expected(bodies: usize, frame: u64) -> Poses {
 #[test]
 fn every_value_reads_back() {
     // No body, one, some, and more than a chunk with the last one not full.
-    for (bodies, frames) in [(0, 2), (1, 1), (10, 7), (3000, 11), (20_000, 3), (70_001, 3)] {
+    for (bodies, frames) in [(0, 2), (1, 1), (10, 7), (3000, 35), (20_000, 3), (70_001, 3)] {
         let folder = tempfile::tempdir().unwrap();
         let written = synthetic::write(folder.path(), bodies, frames).unwrap();
         assert_eq!(written.frames, frames);
@@ -33,7 +34,9 @@ fn every_value_reads_back() {
         assert_eq!(run.times().unwrap(), (0..frames).map(synthetic::time).collect::<Vec<_>>());
         for frame in 0..frames {
             assert!(same_bits(&run.poses(frame).unwrap(), &expected(bodies, frame)), "{bodies} at {frame}");
+            assert_eq!(run.velocities(frame).unwrap(), None);
         }
+        assert_eq!(run.hashes().unwrap(), (0..frames).collect::<Vec<_>>());
         assert!(matches!(run.poses(frames), Err(Error::NoFrame { .. })));
         let rows = fs::read_to_string(folder.path().join(FRAMES)).unwrap();
         assert_eq!(rows.lines().count() as u64, frames, "a header and a row for each step");
@@ -60,17 +63,17 @@ fn more_frames_than_a_chunk_of_times() {
 fn a_run_that_was_cut_off_reads_up_to_its_last_complete_frame() {
     let folder = tempfile::tempdir().unwrap();
     let bodies = 20_000;
-    synthetic::write(folder.path(), bodies, 5).unwrap();
+    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
+    synthetic::write(&before, bodies, 5).unwrap();
+    synthetic::write(&after, bodies, 6).unwrap();
     // The state after a kill between the files of frame 5: its position is there, even announced, the rest is not.
-    let trajectory = folder.path().join(TRAJECTORY);
-    fs::copy(trajectory.join("position/c.4.0.0"), trajectory.join("position/c.5.0.0")).unwrap();
-    let metadata = trajectory.join("position/zarr.json");
-    let mut json: serde_json::Value = serde_json::from_slice(&fs::read(&metadata).unwrap()).unwrap();
-    json["shape"][0] = 6.into();
-    fs::write(&metadata, json.to_string()).unwrap();
-    fs::write(trajectory.join("orientation/.zarr.json.part"), "{").unwrap();
+    for name in ["c.0.0.0", "c.0.1.0", "zarr.json"] {
+        let name = Path::new(TRAJECTORY).join("position").join(name);
+        fs::copy(after.join(&name), before.join(&name)).unwrap();
+    }
+    fs::write(before.join(TRAJECTORY).join("orientation/.zarr.json.part"), "{").unwrap();
 
-    let run = RunReader::open(folder.path()).unwrap();
+    let run = RunReader::open(&before).unwrap();
     assert_eq!(run.frames().unwrap(), 5);
     assert!(same_bits(&run.poses(4).unwrap(), &expected(bodies, 4)));
     assert!(matches!(run.poses(5), Err(Error::NoFrame { frame: 5, frames: 5 })));
@@ -153,7 +156,7 @@ fn a_former_run_is_replaced_on_request_only_and_other_files_stay() {
 #[test]
 fn damage_is_an_error_that_names_the_part() {
     let folder = tempfile::tempdir().unwrap();
-    synthetic::write(folder.path(), 20_000, 2).unwrap();
+    synthetic::write(folder.path(), 20_000, 17).unwrap();
     let trajectory = folder.path().join(TRAJECTORY);
     let chunk = trajectory.join("position/c.1.0.0");
     let mut bytes = fs::read(&chunk).unwrap();
@@ -162,11 +165,14 @@ fn damage_is_an_error_that_names_the_part() {
     fs::write(&chunk, bytes).unwrap();
     let run = RunReader::open(folder.path()).unwrap();
     assert!(run.poses(0).is_ok());
-    let error = run.poses(1).unwrap_err();
-    assert!(matches!(&error, Error::Damaged { path, .. } if *path == trajectory.join("position")), "{error}");
+    let error = run.poses(16).unwrap_err();
+    assert!(matches!(&error, Error::Damaged { path, .. } if *path == chunk), "{error}");
+    fs::remove_file(&chunk).unwrap();
+    assert!(matches!(run.poses(16), Err(Error::Damaged { path, .. }) if path == chunk));
 
-    fs::write(trajectory.join("time/zarr.json"), "{").unwrap();
-    assert!(matches!(run.frames(), Err(Error::Damaged { path, .. }) if path == trajectory.join("time")));
+    let metadata = trajectory.join("time/zarr.json");
+    fs::write(&metadata, "{").unwrap();
+    assert!(matches!(run.frames(), Err(Error::Damaged { path, .. }) if path == metadata));
     fs::remove_dir_all(&trajectory).unwrap();
     assert!(matches!(RunReader::open(folder.path()), Err(Error::NotARun { missing: TRAJECTORY, .. })));
     fs::remove_file(folder.path().join(SUMMARY)).unwrap();

@@ -15,13 +15,19 @@ fn zarr_for_python_reads_every_value() {
         println!("SKIPPED: {PYTHON} is not set; `./test` makes a Python with zarr and sets it");
         return;
     };
-    // Chunks of many frames, of some, and of one frame with a padded chunk at its end.
-    for (bodies, frames) in [(11, 300), (3000, 11), (70_001, 2)] {
+    // Chunks of many frames, of some, and of sixteen with a padded chunk at the end; lossless, and within a bound.
+    for (bodies, frames, bounded) in
+        [(11, 300, false), (3000, 35, false), (70_001, 2, false), (11, 300, true), (20_000, 18, true)]
+    {
         let folder = tempfile::tempdir().unwrap();
         let run = folder.path().join("run");
         let expected = folder.path().join("expected");
-        synthetic::write(&run, bodies, frames).unwrap();
-        write_expected(&expected, bodies, frames);
+        if bounded {
+            synthetic::write_bounded(&run, bodies, frames).unwrap();
+        } else {
+            synthetic::write(&run, bodies, frames).unwrap();
+        }
+        write_expected(&expected, bodies, frames, bounded);
         let output = Command::new(&python)
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/read_with_zarr.py"))
             .args([run.join(TRAJECTORY), expected])
@@ -29,15 +35,22 @@ fn zarr_for_python_reads_every_value() {
             .unwrap_or_else(|error| panic!("cannot start {}: {error}", python.display()));
         let said = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
-        assert_eq!(said.trim(), format!("{frames} frames of {bodies} bodies are equal"));
+        let how = if bounded { "within the bound" } else { "equal" };
+        assert_eq!(said.trim(), format!("{frames} frames of {bodies} bodies are {how}"));
     }
 }
 
-fn write_expected(folder: &Path, bodies: usize, frames: u64) {
+fn write_expected(folder: &Path, bodies: usize, frames: u64, bounded: bool) {
     let table = synthetic::table(bodies);
-    let (mut positions, mut orientations) = (Vec::new(), Vec::new());
+    let (mut positions, mut orientations, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
     for frame in 0..frames {
-        let (ids, poses) = synthetic::state(bodies, frame);
+        let (ids, poses) = if bounded {
+            let (ids, poses, velocities) = synthetic::rolling(bodies, frame);
+            speeds.extend(velocities.linear.iter().flat_map(|x| x.to_le_bytes()));
+            (ids, poses)
+        } else {
+            synthetic::state(bodies, frame)
+        };
         let mut packed = Poses::default();
         packed.gather(&table, synthetic::ORIGIN, &ids, &poses).unwrap();
         positions.extend(packed.positions.iter().flat_map(|x| x.to_le_bytes()));
@@ -47,6 +60,9 @@ fn write_expected(folder: &Path, bodies: usize, frames: u64) {
     let write = |name: &str, bytes: Vec<u8>| fs::write(folder.join(name), bytes).unwrap();
     write("position.f32", positions);
     write("orientation.f32", orientations);
+    if bounded {
+        write("velocity.f32", speeds);
+    }
     write("time.f64", (0..frames).map(synthetic::time).flat_map(f64::to_le_bytes).collect());
     write("id.u64", table.ids.iter().flat_map(|x| x.to_le_bytes()).collect());
     write("shape.u32", table.shapes.iter().flat_map(|x| x.to_le_bytes()).collect());

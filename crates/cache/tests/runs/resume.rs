@@ -1,7 +1,9 @@
 //! A run that ended early goes on, and its folder becomes that of one that did not.
 
-use crate::synthetic::{ORIGIN, frame, start, summary, table, write};
-use rockfall_cache::{Error, FRAMES, RunFolder, RunReader, RunWriter, SUMMARY, TRAJECTORY};
+use crate::synthetic::{
+    ORIGIN, bounded, fill, frame, rolling_frame, start, start_with, summary, table, write,
+};
+use rockfall_cache::{Contents, Error, FRAMES, RunFolder, RunReader, RunWriter, SUMMARY, TRAJECTORY};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -29,38 +31,40 @@ fn resume(path: &Path, bodies: usize, at: u64, hash: u64) -> Result<RunWriter, E
 #[test]
 fn a_resumed_run_is_that_of_one_that_was_not_interrupted() {
     let place = tempfile::tempdir().unwrap();
-    // Chunks of 256, 16 and one frame, and of several in a frame; times go over a chunk of 1024.
+    // Chunks of 256, 32 and 16 frames, and of several in a frame; times go over a chunk of 1024.
     for (bodies, frames, cases) in [
         (3, 1100, &[(0, 1), (255, 300), (256, 257), (700, 701), (1023, 1090), (1024, 1025)][..]),
-        (1000, 40, &[(0, 5), (15, 17), (16, 16), (39, 40)]),
-        (70_000, 4, &[(0, 2), (2, 3)]),
+        (3000, 40, &[(0, 5), (31, 33), (32, 32), (39, 40)]),
+        (20_000, 18, &[(0, 2), (15, 17)]),
     ] {
-        let whole = place.path().join(format!("whole-{bodies}"));
-        write(&whole, bodies, frames).unwrap();
-        for &(at, ended) in cases {
-            let path = place.path().join(format!("part-{bodies}-{at}"));
-            let mut writer = start(&path, bodies).unwrap();
-            for index in 0..ended.max(at + 1) {
-                let frame = frame(&writer, bodies, index);
-                writer.push(frame).unwrap();
-            }
-            writer.sync().unwrap();
-            drop(writer);
-            let mut writer = resume(&path, bodies, at, at).unwrap();
-            assert_eq!(RunReader::open(&path).unwrap().frames().unwrap(), at + 1);
-            for index in at + 1..frames {
-                let frame = frame(&writer, bodies, index);
-                writer.push(frame).unwrap();
-            }
-            writer.finish().unwrap();
-            let (expected, found) = (files(&whole), files(&path));
-            assert!(expected.keys().eq(found.keys()), "{bodies} bodies from {at}");
-            for (name, content) in &expected {
-                assert!(found[name] == *content, "{name} of {bodies} bodies from {at}");
+        for (kind, contents, frame) in [
+            ("lossless", Contents::from(ORIGIN), frame as fn(&_, _, _) -> _),
+            ("bounded", bounded(), rolling_frame),
+        ] {
+            let whole = place.path().join(format!("whole-{bodies}-{kind}"));
+            fill(start_with(&whole, bodies, contents.clone()).unwrap(), &whole, bodies, 0..frames, frame)
+                .unwrap();
+            for &(at, ended) in cases {
+                let path = place.path().join(format!("part-{bodies}-{at}-{kind}"));
+                let mut writer = start_with(&path, bodies, contents.clone()).unwrap();
+                for index in 0..ended.max(at + 1) {
+                    let frame = frame(&writer, bodies, index);
+                    writer.push(frame).unwrap();
+                }
+                writer.sync().unwrap();
+                drop(writer);
+                let writer = resume(&path, bodies, at, at).unwrap();
+                assert_eq!(RunReader::open(&path).unwrap().frames().unwrap(), at + 1);
+                fill(writer, &path, bodies, at + 1..frames, frame).unwrap();
+                let (expected, found) = (files(&whole), files(&path));
+                assert!(expected.keys().eq(found.keys()), "{bodies} bodies from {at}");
+                for (name, content) in &expected {
+                    assert!(found[name] == *content, "{name} of {bodies} bodies from {at}, {kind}");
+                }
             }
         }
     }
-    assert_eq!(RunReader::open(&place.path().join("part-3-0")).unwrap().origin().unwrap(), ORIGIN);
+    assert_eq!(RunReader::open(&place.path().join("part-3-0-bounded")).unwrap().origin().unwrap(), ORIGIN);
 }
 
 /// Promise: a run whose frames don't fit the checkpoint is left as it is, and told what is missing.

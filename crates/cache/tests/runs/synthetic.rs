@@ -2,9 +2,11 @@
 
 use rockfall::{BodyId, StepReport};
 use rockfall_cache::{
-    BodyTable, Error, FORMAT, Frame, RunFolder, RunWriter, Status, Summary, VERSION, Written,
+    BodyTable, Contents, Error, FORMAT, Frame, Precision, RunFolder, RunWriter, Status, Summary, VERSION,
+    Velocities, Written,
 };
 use rockfall_math::{DVec3, Pose, Quat};
+use std::ops::Range;
 use std::path::Path;
 
 /// Where the bodies start from.
@@ -35,6 +37,43 @@ pub(crate) fn state(bodies: usize, frame: u64) -> (Vec<BodyId>, Vec<Pose>) {
         .unzip()
 }
 
+/// Unit quaternions and positions that no step hits, and velocities.
+pub(crate) fn rolling(bodies: usize, frame: u64) -> (Vec<BodyId>, Vec<Pose>, Velocities) {
+    let (ids, mut poses) = state(bodies, frame);
+    for (pose, id) in poses.iter_mut().zip(&ids) {
+        let (phase, t) = (id.0 as f64 * 0.1, time(frame));
+        pose.position = ORIGIN + DVec3::new(phase.sin() * 300.0 + t, phase.cos() * 20.0, -4.9 * t * t);
+        let axis = DVec3::new(phase.cos(), 0.6 * phase.sin(), 0.8 * phase.sin());
+        let (sin, cos) = (0.5 * (phase + 3.0 * t)).sin_cos();
+        let [x, y, z] = (axis * sin).to_array();
+        pose.rotation = Quat::from_xyzw(x as f32, y as f32, z as f32, cos as f32);
+    }
+    let mut velocities = Velocities::default();
+    let there: Vec<u64> = ids.iter().map(|id| id.0).collect();
+    for id in table(bodies).ids {
+        let there = there.binary_search(&id).is_ok();
+        let number = if there { id as f32 + frame as f32 } else { f32::NAN };
+        velocities.linear.extend([number, -number, 0.5 * number]);
+        velocities.angular.extend([0.0 * number, 0.0 * number, 3.0 + 0.0 * number]);
+    }
+    (ids, poses, velocities)
+}
+
+/// Within a tenth of a millimetre and a tenth of a degree, with velocities.
+pub(crate) fn bounded() -> Contents {
+    let precision = Precision { position: Some(1e-4), rotation: Some(0.1_f64.to_radians()) };
+    let (scene, rockfall) = ("seed = 1\n".into(), "0.1.0".into());
+    Contents { origin: ORIGIN, precision, velocities: true, scene, rockfall }
+}
+
+/// A frame of [`rolling`].
+pub(crate) fn rolling_frame(writer: &RunWriter, bodies: usize, index: u64) -> Frame {
+    let (ids, poses, velocities) = rolling(bodies, index);
+    let mut buffer = writer.buffer();
+    buffer.gather(&table(bodies), ORIGIN, &ids, &poses).unwrap();
+    Frame { poses: buffer, velocities, ..frame(writer, bodies, index) }
+}
+
 /// Simulated time of a frame, seconds.
 pub(crate) fn time(frame: u64) -> f64 {
     frame as f64 / 64.0
@@ -51,18 +90,39 @@ pub(crate) fn frame(writer: &RunWriter, bodies: usize, frame: u64) -> Frame {
     let mut buffer = writer.buffer();
     buffer.gather(&table(bodies), ORIGIN, &ids, &poses).unwrap();
     let report = StepReport { step: frame, awake: ids.len(), ..StepReport::default() };
-    Frame { time: time(frame), poses: buffer, report: (frame > 0).then_some(report), hash: Some(frame) }
+    let report = (frame > 0).then_some(report);
+    Frame { time: time(frame), poses: buffer, report, hash: Some(frame), ..Frame::default() }
 }
 
 /// Starts a run in `path`.
 pub(crate) fn start(path: &Path, bodies: usize) -> Result<RunWriter, Error> {
-    RunWriter::create(&RunFolder::at(path, false)?, "seed = 1\n", &summary(), &table(bodies), ORIGIN)
+    start_with(path, bodies, Contents::from(ORIGIN))
+}
+
+/// The same with other contents.
+pub(crate) fn start_with(path: &Path, bodies: usize, contents: Contents) -> Result<RunWriter, Error> {
+    RunWriter::create(&RunFolder::at(path, false)?, "seed = 1\n", &summary(), &table(bodies), contents)
 }
 
 /// Writes a whole run.
 pub(crate) fn write(path: &Path, bodies: usize, frames: u64) -> Result<Written, Error> {
-    let mut writer = start(path, bodies)?;
-    for index in 0..frames {
+    fill(start(path, bodies)?, path, bodies, 0..frames, frame)
+}
+
+/// Writes a whole run of [`rolling`] bodies.
+pub(crate) fn write_bounded(path: &Path, bodies: usize, frames: u64) -> Result<Written, Error> {
+    fill(start_with(path, bodies, bounded())?, path, bodies, 0..frames, rolling_frame)
+}
+
+/// Writes frames, and ends the run.
+pub(crate) fn fill(
+    mut writer: RunWriter,
+    path: &Path,
+    bodies: usize,
+    frames: Range<u64>,
+    frame: fn(&RunWriter, usize, u64) -> Frame,
+) -> Result<Written, Error> {
+    for index in frames {
         let frame = frame(&writer, bodies, index);
         writer.push(frame)?;
     }

@@ -26,8 +26,10 @@ impl World {
         })
     }
 
-    fn by_id<T>(&self, read: impl Fn(usize) -> T) -> Vec<T> {
-        self.sorted().iter().map(|&row| read(row as usize)).collect()
+    /// Rows that follow each other by id lie far apart in memory: a walk over them waits for memory most of the time, so all threads share it.
+    fn by_id<T: Send>(&self, read: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+        let rows = self.sorted();
+        self.pool.install(|| rows.par_iter().with_min_len(1024).map(|&row| read(row as usize)).collect())
     }
 
     /// Ids of all bodies, ascending; the order of [`World::poses`] and the other readers in that order.
