@@ -3,11 +3,10 @@
 //! What flows in: two shapes of which at least one is a compound, or a compound and a question. The tree of a compound tells which
 //! parts come near; each of those is asked by itself, in the frame of the question.
 //!
-//! Parts know nothing of each other. Each contact is named by the numbers of its parts besides its features, and each pair of parts has a manifold of
-//! its own: a table on its four legs has four. To make one of those that push the same way in one plane was tried: it is a quarter of the
-//! points, but of 480 blocks of two cubes in a pile, 32 went on rattling for ever, as the points that were left out took turns with
-//! those that were kept; without, all of them came to rest.
+//! Parts know nothing of each other. So each contact is named by the numbers of its parts besides its features, and the manifolds of
+//! parts that push the same way in one plane become one (`merge`): a table whose four legs stand on a floor has four points, as a box.
 
+mod merge;
 mod motion;
 mod query;
 
@@ -23,14 +22,22 @@ use smallvec::SmallVec;
 /// to be further apart need not be looked at again for so long.
 const ROOM: f32 = 0.25;
 
-/// Appends the manifolds of two shapes, one for each pair of parts that come within `margin`; as [`collide`](crate::collide), without a
-/// cache: a pair has only one, and its parts would each need their own.
+/// Appends the manifolds of two shapes of which one is a compound; as [`collide`](crate::collide), without a cache: a pair has only one, and
+/// its parts would each need their own.
 pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+    let first = out.len();
+    let apart = parts(a, b, b_in_a, margin, out);
+    merge::merge(out, first);
+    apart
+}
+
+/// The manifolds of all parts that come within `margin`.
+fn parts(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
     match (a, b) {
         (_, Shape::Compound(b)) => with_parts_of_b(a, b, b_in_a, margin, out),
         (Shape::Compound(_), _) => {
             let first = out.len();
-            let apart = collide(b, a, &b_in_a.inverse(), margin, out);
+            let apart = parts(b, a, &b_in_a.inverse(), margin, out);
             out[first..].iter_mut().for_each(|manifold| manifold.swap(b_in_a));
             apart
         }
@@ -44,7 +51,7 @@ fn with_parts_of_b(a: &Shape, b: &Compound, b_in_a: &Isometry, margin: f32, out:
     let mut meet = |number: u32, out: &mut Vec<Manifold>| {
         let part = &b.parts()[number as usize];
         let first = out.len();
-        let this = collide(a, &part.shape, &b_in_a.then_after(&part.place), margin, out);
+        let this = parts(a, &part.shape, &b_in_a.then_after(&part.place), margin, out);
         apart = if this < apart { this } else { apart };
         for point in out[first..].iter_mut().flat_map(|m| &mut m.points[..m.count as usize]) {
             point.feature = name(number, point.feature);

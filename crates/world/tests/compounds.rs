@@ -250,28 +250,6 @@ fn a_heap_of_jacks_gains_no_energy_and_holds() {
     }
 }
 
-/// Promise: a deep pile of blocks that are two cubes each comes to rest, to 1 mm/s in the mean within ten seconds: no manifold changes its mind for ever.
-#[test]
-fn a_deep_pile_of_blocks_comes_to_rest() {
-    let mut stage = Stage::new(frames(), rubs(0.6, 0.0));
-    pit(&mut stage, &floors()[0].1, 1.5);
-    let cube = cuboid(0.2, 0.2, 0.2);
-    let block = stage.shape(compound(vec![(cube.clone(), at(-0.2, 0.0, 0.0)), (cube, at(0.2, 0.0, 0.0))]));
-    let mut random = Numbers(5);
-    let mut ids = Vec::new();
-    for i in 0..270_u16 {
-        let (x, y, z) = (f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9));
-        let position = DVec3::new(0.95 * x - 0.95, 0.95 * y - 0.95, 0.6 + 0.9 * z);
-        ids.push(stage.put(stage.body(block, Pose { position, rotation: random.rotation() })));
-    }
-    stage.steps(600);
-    let speeds: Vec<f32> = ids.iter().map(|&id| speed(&stage, id)).collect();
-    let mean = speeds.iter().sum::<f32>() / speeds.len() as f32;
-    let fastest = speeds.iter().copied().fold(0.0, f32::max);
-    println!("mean {mean} m/s, fastest {fastest} m/s");
-    assert!(mean < 1e-3, "{mean} m/s, fastest {fastest}");
-}
-
 /// Promise: the same bits for any number of threads and lanes, and for a world that was saved and loaded on the way.
 #[test]
 fn compounds_have_the_same_bits_everywhere() {

@@ -1,0 +1,113 @@
+//! Manifolds of one pair that push the same way in one plane become one.
+//!
+//! Each manifold costs the solver as much as that of a body, and two cubes side by side on a plane are held by the four outer corners as
+//! well as by eight. Manifolds that lie at different heights along their normal stay apart: friction acts in the plane of its manifold.
+
+use crate::reduce::{reduce_within, start};
+use crate::{ContactPoint, Manifold};
+use smallvec::SmallVec;
+
+/// Cosine of 2°: contacts whose normals differ less may share a manifold, as those of a mesh do.
+const SAME: f32 = 0.999_39;
+
+/// How far off the plane of the first point another may be, as a share of the way between the two: the sine of 2° and some more.
+const IN_PLANE: f32 = 0.05;
+
+/// Depths that differ by less than this share of the span are equal.
+const EQUAL_DEPTH: f32 = 2.5e-4;
+
+/// Merges the manifolds from number `first` on. They keep the order of the first ones, which is that of the parts and so changes
+/// less than that of depths.
+pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize) {
+    if manifolds.len() < first + 2 {
+        return;
+    }
+    let found: SmallVec<[Manifold; 16]> = manifolds.drain(first..).collect();
+    let mut taken: SmallVec<[bool; 16]> = SmallVec::from_elem(false, found.len());
+    let mut points: SmallVec<[ContactPoint; 32]> = SmallVec::new();
+    for (i, one) in found.iter().enumerate() {
+        if taken[i] {
+            continue;
+        }
+        points.clear();
+        points.extend_from_slice(one.points());
+        for (j, other) in found.iter().enumerate().skip(i + 1) {
+            if !taken[j] && goes_with(one, other) {
+                taken[j] = true;
+                points.extend_from_slice(other.points());
+            }
+        }
+        if points.len() == one.count as usize {
+            manifolds.push(*one);
+            continue;
+        }
+        let from = points[0].position;
+        let span = points.iter().fold(0.0_f32, |span, p| span.max(p.position.distance(from)));
+        manifolds.push(reduce_within(one.normal, &points, start(one.normal), EQUAL_DEPTH * span));
+    }
+}
+
+/// Whether two manifolds push the same way, and all points of the second lie in the plane of the first.
+fn goes_with(one: &Manifold, other: &Manifold) -> bool {
+    let from = one.points[0].position;
+    let in_plane = |p: &ContactPoint| {
+        let way = p.position - from;
+        // A point lies half-way between the two surfaces: overlaps alone put it off the plane.
+        let overlap = 0.5 * (p.distance - one.points[0].distance).abs();
+        way.dot(one.normal).abs() <= IN_PLANE * way.length() + overlap
+    };
+    one.normal.dot(other.normal) >= SAME && other.points().iter().all(in_plane)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockfall_math::Vec3;
+
+    fn manifold(normal: Vec3, points: &[(Vec3, f32)], name: u32) -> Manifold {
+        let mut manifold = Manifold { normal, count: points.len() as u32, ..Manifold::default() };
+        for (k, &(position, distance)) in points.iter().enumerate() {
+            manifold.points[k] = ContactPoint { position, distance, feature: name + k as u32 };
+        }
+        manifold
+    }
+
+    fn square(x: f32, z: f32, name: u32) -> Manifold {
+        let at = |i: f32, j: f32| (Vec3::new(x + i, j, z), 0.0);
+        manifold(Vec3::Z, &[at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)], name)
+    }
+
+    #[test]
+    fn squares_side_by_side_become_one() {
+        let mut all =
+            vec![square(9.0, 9.0, 90), square(0.0, 0.0, 0), square(1.0, 0.0, 10), square(2.0, 0.0, 20)];
+        merge(&mut all, 1);
+        assert_eq!(all.len(), 2);
+        let mut corners: Vec<(f32, f32)> =
+            all[1].points().iter().map(|p| (p.position.x, p.position.y)).collect();
+        corners.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        assert_eq!(corners, [(0.0, 0.0), (0.0, 1.0), (3.0, 0.0), (3.0, 1.0)]);
+        assert_eq!(all[0], square(9.0, 9.0, 90));
+    }
+
+    #[test]
+    fn steps_and_slopes_stay_apart() {
+        let slope = Vec3::new(0.05, 0.0, 1.0).normalize();
+        let mut all = vec![
+            square(0.0, 0.0, 0),
+            square(1.0, 0.5, 10),
+            manifold(slope, &[(Vec3::new(2.0, 0.0, 0.0), 0.0)], 20),
+        ];
+        merge(&mut all, 0);
+        assert_eq!(all.len(), 3);
+    }
+
+    #[test]
+    fn the_deepest_point_stays() {
+        let mut deep = square(1.0, 0.0, 10);
+        deep.points[1].distance = -0.1;
+        let mut all = vec![square(0.0, 0.0, 0), deep, square(2.0, 0.0, 20)];
+        merge(&mut all, 0);
+        assert_eq!((all.len(), all[0].deepest()), (1, -0.1));
+    }
+}
