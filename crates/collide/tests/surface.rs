@@ -1,37 +1,12 @@
 //! Convex shapes on meshes and height fields.
 
+mod common;
+
+use common::{Random, at_size};
 use rockfall_collide::{Manifold, convex_height_field, convex_mesh};
-use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, hash, rotation, trig};
+use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, rotation, trig};
 use rockfall_shape::{HeightField, Hull, Mesh, Shape};
 use std::sync::Arc;
-
-/// A stream of numbers.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        (hash::mix(self.0) >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-
-    fn point(&mut self, reach: f32) -> Vec3 {
-        Vec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
-    }
-
-    fn turn(&mut self) -> Quat {
-        let q = Quat::from_xyzw(
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-            self.between(-1.0, 1.0),
-        );
-        rotation::normalize(q)
-    }
-}
 
 fn at(position: Vec3, turn: Quat) -> Isometry {
     Isometry { rotation: Mat3::from_quat(turn), translation: position }
@@ -562,6 +537,43 @@ fn a_height_field_collides_like_its_mesh() {
         }
     }
     assert!(contacts > 500);
+}
+
+#[test]
+fn a_surface_a_thousand_times_larger_or_smaller_has_the_same_contacts() {
+    let mut random = Random(23);
+    let mesh = as_mesh(&hills(9, 0.5, 0.6, 4));
+    for by in [1e-3, 1e3] {
+        let vertices: Vec<Vec3> = mesh.vertices.iter().map(|v| *v * by).collect();
+        let other = Mesh::from_triangles(&vertices, &mesh.triangles).expect("hills");
+        let mut met = 0;
+        for shape in &all_shapes() {
+            let scaled = at_size(shape, by);
+            for _ in 0..60 {
+                let turn = random.turn();
+                let place = random.point(1.2).with_z(random.between(0.2, 0.7));
+                let here = touch(shape, &mesh, &at(place, turn), 0.05);
+                let there = touch(&scaled, &other, &at(place * by, turn), 0.05 * by);
+                let deepest = |manifolds: &[Manifold]| {
+                    manifolds.iter().fold(f32::INFINITY, |low, m| low.min(m.deepest()))
+                };
+                let (depth, scaled_depth) = (deepest(&here), deepest(&there) / by);
+                if here.is_empty() || there.is_empty() {
+                    // At the margin rounding decides.
+                    assert!(
+                        depth.min(scaled_depth) > 0.05 - 1e-4,
+                        "{} {place} {depth} {scaled_depth}",
+                        shape.name()
+                    );
+                    continue;
+                }
+                met += 1;
+                let off = (depth - scaled_depth).abs();
+                assert!(off < 1e-4, "{} at {place}: {depth} is {scaled_depth}", shape.name());
+            }
+        }
+        assert!(met > 100, "{met}");
+    }
 }
 
 #[test]

@@ -1,28 +1,12 @@
 //! Continuous detection: nothing is missed, nothing is late.
 
+mod common;
+
+use common::Random;
 use rockfall_collide::{Motion, Sweep, Toi, distance, time_of_impact};
-use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, hash, rotation};
+use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, rotation};
 use rockfall_shape::{HeightField, Hull, Mesh, Shape};
 use std::sync::Arc;
-
-/// A stream of numbers.
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        low + (high - low) * ((hash::mix(self.0) >> 40) as f32 / (1_u64 << 24) as f32)
-    }
-
-    fn point(&mut self, reach: f32) -> Vec3 {
-        Vec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
-    }
-
-    fn turn(&mut self) -> Quat {
-        let v = self.point(1.0);
-        rotation::normalize(Quat::from_xyzw(v.x, v.y, v.z, self.between(-1.0, 1.0)))
-    }
-}
 
 fn at(position: Vec3, turn: Quat) -> Isometry {
     Isometry { rotation: Mat3::from_quat(turn), translation: position }

@@ -1,35 +1,12 @@
 //! Random poses, and an independent judge of distances: brute force over all features in double precision.
 
+use crate::common::Random;
 use rockfall_collide::{Cache, Manifold, collide};
-use rockfall_math::hash::mix;
 use rockfall_math::{DVec3, Isometry, Mat3, Quat, Vec3, rotation};
 use rockfall_shape::{Hull, Shape};
 use std::sync::Arc;
 
-/// A stream of random numbers that is the same everywhere.
-pub(crate) struct Random(pub(crate) u64);
-
 impl Random {
-    pub(crate) fn word(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        mix(self.0)
-    }
-
-    /// Uniform in [low, high).
-    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.word() >> 40) as f32 / (1_u32 << 24) as f32
-    }
-
-    /// Uniform on the sphere.
-    pub(crate) fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::new(self.between(-1.0, 1.0), self.between(-1.0, 1.0), self.between(-1.0, 1.0));
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-
     /// Any rotation; one time in two, one that puts edges along axes, turned by 1e-8 to 1e-1 radians or not at all.
     pub(crate) fn rotation(&mut self) -> Mat3 {
         let q = if self.word() & 1 == 0 {

@@ -1,7 +1,10 @@
 //! The promises of the convex pair functions.
 
 mod brute_force;
+#[path = "../common/mod.rs"]
+mod common;
 mod manifolds;
 mod opinion;
 mod pairs;
+mod peers;
 mod smooth;

@@ -4,7 +4,8 @@
 //! parry3d works in single precision with tolerances of its own: it errs by up to a thousandth of the size where our
 //! brute force is exact, so brute force decides and parry3d checks that both mean the same thing.
 
-use crate::brute_force::{Random, Solid, gap, judge, manifold, size};
+use crate::brute_force::{Solid, gap, judge, manifold, size};
+use crate::common::Random;
 use crate::opinion::second_opinion;
 use rockfall_collide::{Cache, Manifold, collide, distance};
 use rockfall_math::{DVec3, Isometry, Vec3};
@@ -233,6 +234,42 @@ pairs! {
     plate_hull: 5, 3, 20_000;
     plate_capsule: 5, 2, 20_000;
     large_hulls: 6, 6, 2_000;
+}
+
+/// MuJoCo's box fuzz: its six pairs of half edges, down to 1:60, in random poses, against brute force.
+#[test]
+fn cubes_slabs_and_needles_agree_with_brute_force() {
+    let mut random = Random(31);
+    let boxes = |half: [f32; 3]| Shape::Box { half: Vec3::from(half) };
+    for (a, b) in [
+        ([0.05, 0.05, 0.05], [0.05, 0.05, 0.05]),
+        ([0.05, 0.05, 0.05], [0.013, 0.013, 0.013]),
+        ([0.08, 0.08, 0.004], [0.06, 0.06, 0.006]),
+        ([0.002, 0.002, 0.09], [0.04, 0.04, 0.04]),
+        ([0.07, 0.05, 0.003], [0.0015, 0.0015, 0.06]),
+        ([0.018, 0.038, 0.047], [0.026, 0.0014, 0.008]),
+    ] {
+        let [a, b] = [a, b].map(boxes);
+        let reach = |shape: &Shape| shape.bounds().max.max_element();
+        for _ in 0..3000 {
+            let b_in_a = Isometry {
+                rotation: random.rotation(),
+                translation: random.point(1.15 * (reach(&a) + reach(&b))),
+            };
+            let scale = size(&a) + size(&b) + 0.5 * b_in_a.translation.length();
+            let judge = Judge::new(&a, &b, &b_in_a);
+            check(&a, &b, &b_in_a, &judge, judge.distance(), scale);
+        }
+    }
+}
+
+/// MuJoCo's known distance of two ellipsoids along the axes, to the digits that it gives.
+#[test]
+fn two_ellipsoids_are_as_far_apart_as_mujoco_says() {
+    let ellipsoid = |x, y, z| Shape::Ellipsoid { half: Vec3::new(x, y, z) };
+    let b_in_a = Isometry { translation: Vec3::new(0.0, 0.5, 1.0), ..Isometry::IDENTITY };
+    let found = distance(&ellipsoid(0.15, 0.3, 0.2), &ellipsoid(0.1, 0.1, 0.15), &b_in_a).unwrap();
+    assert!((found.distance - 0.7542).abs() < 1e-4, "{found:?}");
 }
 
 #[test]

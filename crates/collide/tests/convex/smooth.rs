@@ -5,7 +5,8 @@
 //! one of B are no nearer than the distance. Where shapes overlap, the first is the overlap along n, and no direction may
 //! have a smaller one: many are asked. parry3d is asked as well.
 
-use crate::brute_force::{Random, size};
+use crate::brute_force::size;
+use crate::common::Random;
 use crate::opinion::second_opinion;
 use rockfall_collide::{Cache, Distance, Manifold, collide, distance};
 use rockfall_math::{DVec3, Isometry, Vec3};
@@ -295,12 +296,24 @@ classes! {
     flat_and_long_ellipsoids: 13;
 }
 
-/// The whole protocol.
-#[test]
-#[ignore = "takes two hours on one core"]
-fn a_hundred_thousand_poses_of_each_pair() {
-    for first in NEW {
-        class_against(first, &OLD, 100_000);
-        class_against(first, &NEW, 100_000);
-    }
+/// The whole protocol, a class at a time: each against all of the others.
+macro_rules! all_poses {
+    ($($name:ident: $class:literal;)*) => {
+        $(#[test]
+        #[ignore = "a hundred thousand poses of each pair take a quarter of an hour"]
+        fn $name() {
+            class_against($class, &OLD, 100_000);
+            class_against($class, &NEW, 100_000);
+        })*
+    };
+}
+
+all_poses! {
+    all_poses_of_cylinders: 7;
+    all_poses_of_cones: 8;
+    all_poses_of_ellipsoids: 9;
+    all_poses_of_rounded_boxes: 10;
+    all_poses_of_rounded_hulls: 11;
+    all_poses_of_discs_and_rods: 12;
+    all_poses_of_flat_and_long_ellipsoids: 13;
 }

@@ -1,37 +1,17 @@
 //! The promises of ray casts, shape casts, overlaps and distances of points.
 
 mod cast;
+#[path = "../common/mod.rs"]
+mod common;
 mod point;
 mod ray;
 
+use common::Random;
 use parry3d::math::{Pose, Rotation};
 use parry3d::shape::SharedShape;
-use rockfall_math::{Isometry, Mat3, Quat, Vec2, Vec3, hash, rotation};
+use rockfall_math::{Isometry, Vec2, Vec3};
 use rockfall_shape::{HeightField, Hull, Mesh, Shape};
 use std::sync::Arc;
-
-/// A stream of numbers.
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        low + (high - low) * ((hash::mix(self.0) >> 40) as f32 / (1_u64 << 24) as f32)
-    }
-
-    fn point(&mut self, reach: f32) -> Vec3 {
-        Vec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
-    }
-
-    fn turn(&mut self) -> Quat {
-        let v = self.point(1.0);
-        rotation::normalize(Quat::from_xyzw(v.x, v.y, v.z, self.between(-1.0, 1.0)))
-    }
-
-    fn place(&mut self, reach: f32) -> Isometry {
-        Isometry { rotation: Mat3::from_quat(self.turn()), translation: self.point(reach) }
-    }
-}
 
 fn boulder(seed: u64) -> Hull {
     let mut random = Random(seed);
