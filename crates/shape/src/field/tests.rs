@@ -23,7 +23,7 @@ fn torus(ring: f32, tube: f32, [n, m]: [u32; 2]) -> Mesh {
 fn triangles_of(hull: &Hull) -> Vec<[u32; 3]> {
     (0..hull.normals.len())
         .flat_map(|f| {
-            let face: Vec<u32> = hull.face(f).iter().map(|&c| u32::from(c)).collect();
+            let face: Vec<u32> = hull.face(f).to_vec();
             (1..face.len() - 1).map(move |k| [face[0], face[k], face[k + 1]]).collect::<Vec<_>>()
         })
         .collect()
