@@ -135,7 +135,7 @@ mod tests {
     fn moment(frame: usize, rows: &[u32]) -> Moment {
         let position = |row: &u32| [*row as f32, frame as f32, 0.0];
         // Every other frame with the other sign.
-        let sign = if frame % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if frame.is_multiple_of(2) { 1.0 } else { -1.0 };
         Moment {
             rows: rows.to_vec(),
             positions: rows.iter().map(position).collect(),

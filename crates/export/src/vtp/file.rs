@@ -123,10 +123,10 @@ impl PolyData<'_> {
              header_type=\"UInt64\">\n<PolyData>\n"
         )?;
         if self.time.is_finite() {
-            write!(
+            writeln!(
                 to,
                 "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}\
-                 </DataArray></FieldData>\n",
+                 </DataArray></FieldData>",
                 self.time
             )?;
         }

@@ -132,15 +132,12 @@ fn each<'a, T: Number, R: NoUninit>(
 }
 
 /// A value of each body for each of its triangles.
-fn repeated<'a, T: Number, R: NoUninit>(
+fn repeated<'a, T: Number, R: NoUninit + 'a>(
     name: &'static str,
     components: &'static [&'static str],
     placed: &Arc<[Placed<'a>]>,
     values: Vec<R>,
-) -> Array<'a>
-where
-    R: 'a,
-{
+) -> Array<'a> {
     let numbers = (size_of::<R>() / size_of::<T>()) as u64;
     let triangles = placed.iter().map(|body| body.surface.triangles.len() as u64).sum::<u64>();
     let bodies = placed.clone();
