@@ -15,7 +15,7 @@ pub(crate) fn info(args: &InfoArgs) -> Result<(), Failure> {
 
 fn scene(args: &InfoArgs) -> Result<(), Failure> {
     let scene = Scene::load(&args.path)?;
-    let plan = Plan::new(&args.path, &scene);
+    let plan = Plan::new(&args.path, &scene).with_cuts(scene.cuts()?);
     say::out(&if args.json { plan.to_json() } else { plan.to_string() });
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::args::solver_name;
 use crate::units;
-use rockfall_scene::Scene;
+use rockfall_scene::{Cut, Scene};
 use serde::Serialize;
 use std::fmt;
 use std::path::Path;
@@ -29,6 +29,20 @@ pub(crate) struct Plan {
     seed: u64,
     memory_bytes: u64,
     disk_bytes: u64,
+    /// Meshes that are cut into hulls; `info` alone cuts them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    cuts: Vec<CutRow>,
+}
+
+/// How a mesh was cut into hulls.
+#[derive(Debug, Serialize)]
+struct CutRow {
+    shape: String,
+    hulls: usize,
+    /// The farthest that the mesh is from the hulls, and the hulls from the mesh, at points so far apart.
+    missing_m: f32,
+    filled_m: f32,
+    spacing_m: f32,
 }
 
 impl Plan {
@@ -53,7 +67,20 @@ impl Plan {
             seed: scene.seed,
             memory_bytes: estimate.memory,
             disk_bytes: disk,
+            cuts: Vec::new(),
         }
+    }
+
+    /// The same with what is known of meshes that were cut into hulls.
+    pub(crate) fn with_cuts(self, cuts: Vec<Cut>) -> Self {
+        let row = |cut: Cut| CutRow {
+            shape: cut.shape,
+            hulls: cut.hulls,
+            missing_m: cut.misfit.missing,
+            filled_m: cut.misfit.filled,
+            spacing_m: cut.misfit.spacing,
+        };
+        Plan { cuts: cuts.into_iter().map(row).collect(), ..self }
     }
 
     /// As JSON.
@@ -78,6 +105,16 @@ impl fmt::Display for Plan {
         writeln!(f, "  solver   {}, {} sub-steps", self.solver, self.substeps)?;
         writeln!(f, "  seed     {}", self.seed)?;
         writeln!(f, "  memory   about {}", units::bytes(self.memory_bytes))?;
-        write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))
+        write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))?;
+        for cut in &self.cuts {
+            let millimetres = [cut.missing_m, cut.filled_m, cut.spacing_m].map(|x| 1e3 * x);
+            let [missing, filled, spacing] = millimetres;
+            write!(
+                f,
+                "\n  {}: {} hulls, {missing:.3} mm missing and {filled:.3} mm filled at most, at points every {spacing:.3} mm",
+                cut.shape, cut.hulls
+            )?;
+        }
+        Ok(())
     }
 }

@@ -3,13 +3,21 @@
 use crate::{DecomposeError, Options};
 use parry3d::transformation::vhacd::{VHACD, VHACDParameters};
 use rockfall_math::{Aabb, Vec3};
-use rockfall_shape::{Hull, Mesh};
+use rockfall_shape::{Hull, Mesh, Shape};
+use std::sync::Arc;
 
 /// A piece whose inner ball is smaller than this share of a voxel is a splinter that the cut left over.
 const SPLINTER: f32 = 0.25;
 
 /// The hulls of the pieces of a mesh, at least one. Splinters are left out; what that leaves open is measured with the rest.
-pub(crate) fn cut(mesh: &Mesh, options: &Options) -> Result<Vec<Hull>, DecomposeError> {
+/// `volume` is that of the mesh: where it fills its hull, that is all.
+pub(crate) fn cut(mesh: &Mesh, volume: f32, options: &Options) -> Result<Vec<Hull>, DecomposeError> {
+    if let Ok(hull) = Hull::from_points_at_most(&mesh.vertices, options.max_vertices as usize) {
+        let whole = Shape::Hull(Arc::new(hull.clone())).mass_properties(1.0).map_or(0.0, |mass| mass.mass);
+        if (whole - volume).abs() <= options.concavity * whole {
+            return Ok(vec![hull]);
+        }
+    }
     // At a size of about 1, so that scale is of no account; by a power of two, so that nothing is rounded.
     let longest = 2.0 * mesh.bounds.half_extents().max_element();
     let scale = power_of_two_below(longest);

@@ -129,7 +129,7 @@ pub fn decompose(mesh: &Mesh, options: &Options) -> Result<Decomposition, Decomp
         let (open_edges, tangled_edges) = (report.open_edges, report.tangled_edges);
         return Err(DecomposeError::NoInside { open_edges, tangled_edges });
     };
-    let hulls = cut::cut(mesh, options)?;
+    let hulls = cut::cut(mesh, mass.mass, options)?;
     let parts = hulls.into_iter().map(|hull| (Shape::Hull(Arc::new(hull)), Pose::default()));
     let compound = Compound::new(parts)?.standing_for(mass);
     let longest = 2.0 * mesh.bounds.half_extents().max_element();

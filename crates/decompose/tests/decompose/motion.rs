@@ -84,8 +84,8 @@ fn a_bowl_holds_balls() {
     }
 }
 
-/// Promise: bowls stack in bowls: four with leaning walls that are dropped into one that stands fast nest, upright and one over the other, as far
-/// apart as their walls say, or a little further by what the hulls fill, and come to rest.
+/// Promise: bowls stack in bowls: four with leaning walls that are dropped into one that stands fast nest one over the other, as far
+/// apart as their walls say, or further and askew by what the hulls fill, and come to rest.
 #[test]
 fn bowls_stack() {
     let mut stage = Stage::new();
@@ -103,7 +103,9 @@ fn bowls_stack() {
             off.z > nested - 0.01 && off.z < nested + 2.0 * filled + 0.01,
             "{off} of {nested}, filled {filled}"
         );
-        assert!(off.truncate().length() < filled && stage.up(pair[1]).z > 0.998, "{off}");
+        // What the hulls fill is where a bowl may sit askew in the next, whose foot is 0.5 m from its axis.
+        let lean = f64::from((stage.up(pair[0]) - stage.up(pair[1])).length());
+        assert!(off.truncate().length() < filled && lean < filled / 0.5, "{off}, {lean} of {filled}");
         assert!(stage.speed(pair[1]) < 1e-3, "{}", stage.speed(pair[1]));
     }
 }
