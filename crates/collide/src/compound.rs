@@ -10,7 +10,7 @@ mod merge;
 mod motion;
 mod query;
 
-pub(crate) use motion::time_of_impact;
+pub(crate) use motion::first_impact;
 pub(crate) use query::{cast_ray, cast_shape, distance, nearest_point, overlaps, penetration};
 
 use crate::{Cache, Manifold};

@@ -57,11 +57,7 @@ pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) ->
         Shape::HalfSpace { normal, offset } => {
             course.advance(&core, &Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
         }
-        _ => {
-            let other = Core::new(b, &sweep.b, 0.0)?;
-            let (set, radius, arm) = (&other.set, other.radius, other.arm);
-            course.advance(&core, &Other::Convex { set, radius, arm, front: None }, 0.0, 1.0)
-        }
+        _ => course.advance(&core, &Core::new(b, &sweep.b, 0.0)?.as_other(), 0.0, 1.0),
     }
 }
 

@@ -73,17 +73,32 @@ impl Motion {
 
     /// What is left of the motion after a time from 0 to 1.
     pub fn after(&self, time: f32) -> Motion {
-        let left = 1.0 - time;
+        self.between(time, 1.0)
+    }
+
+    /// The motion between two times from 0 to 1, over an interval of its own.
+    pub fn between(&self, from: f32, until: f32) -> Motion {
+        let share = until - from;
         Motion {
-            start: self.at(time),
+            start: self.at(from),
             center: self.center,
-            translation: self.translation * left,
-            rotation: self.rotation * left,
+            translation: self.translation * share,
+            rotation: self.rotation * share,
         }
     }
 
     fn center_at(&self, time: f32) -> Vec3 {
         self.start.point(self.center) + self.translation * time
+    }
+}
+
+impl Sweep {
+    pub(crate) fn is_finite(&self) -> bool {
+        [self.a, self.b].iter().all(|m| {
+            let r = &m.start.rotation;
+            let sum = r.x_axis + r.y_axis + r.z_axis + m.start.translation;
+            (sum + m.center + m.translation + m.rotation).is_finite()
+        })
     }
 }
 
@@ -101,16 +116,11 @@ impl Motion {
 ///
 /// Of a field A it is the ball inside ([`Field::inner_ball`](rockfall_shape::Field::inner_ball)) that is stopped. None as well where `a` is neither convex nor a field, or a number is not finite.
 pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
-    let finite = [sweep.a, sweep.b].iter().all(|m| {
-        let r = &m.start.rotation;
-        let sum = r.x_axis + r.y_axis + r.z_axis + m.start.translation;
-        (sum + m.center + m.translation + m.rotation).is_finite()
-    });
-    if !finite || target_distance.is_nan() {
+    if !sweep.is_finite() || target_distance.is_nan() {
         return None;
     }
     if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
-        return compound::time_of_impact(a, b, sweep, target_distance);
+        return compound::first_impact(a, b, sweep, target_distance, time_of_impact);
     }
     let whole = Core::new(a, &sweep.a, 0.0)?;
     let course = Course { sweep, inner: a.inner_radius(), target: target_distance.max(0.0) };
@@ -118,14 +128,10 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
         Shape::HalfSpace { normal, offset } => {
             course.advance(&whole, &Other::HalfSpace { normal: *normal, offset: *offset }, 0.0, 1.0)
         }
-        Shape::Mesh(mesh) => course.surface(&Cores::new(a, whole), &**mesh),
-        Shape::Field(field) => course.surface(&Cores::new(a, whole), &**field.mesh()),
-        Shape::HeightField(field) => course.surface(&Cores::new(a, whole), &**field),
-        _ => {
-            let core_b = Core::new(b, &sweep.b, 0.0)?;
-            let (set, radius, arm) = (&core_b.set, core_b.radius, core_b.arm);
-            course.advance(&whole, &Other::Convex { set, radius, arm, front: None }, 0.0, 1.0)
-        }
+        Shape::Mesh(mesh) => course.surface(&Cores::around(a, whole), &**mesh),
+        Shape::Field(field) => course.surface(&Cores::around(a, whole), &**field.mesh()),
+        Shape::HeightField(field) => course.surface(&Cores::around(a, whole), &**field),
+        _ => course.advance(&whole, &Core::new(b, &sweep.b, 0.0)?.as_other(), 0.0, 1.0),
     }
 }
 
@@ -134,14 +140,14 @@ const MAX_STEPS: usize = 128;
 
 /// Share of A's inner radius by which it may sink into a triangle, or further into it, without an impact: contacts push it
 /// out again.
-const SUNK: f32 = 0.25;
+pub(crate) const SUNK: f32 = 0.25;
 
 /// Layers as thick as that from A's surface to its middle.
-const LAYERS: usize = 4;
+pub(crate) const LAYERS: usize = 4;
 
 /// Distance up to which a triangle counts as near from the start, as a share of A's inner radius. Contacts of what is
 /// fast enough to need this function reach as far.
-const NEAR: f32 = 0.5;
+pub(crate) const NEAR: f32 = 0.5;
 
 /// Pieces into which the path is cut to look for triangles.
 pub(crate) const MAX_PIECES: usize = 64;
@@ -276,22 +282,32 @@ impl Core {
         let arm = corners.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
         Some(Core { set, radius, reach, arm })
     }
+
+    /// As what something runs into.
+    pub(crate) fn as_other(&self) -> Other<'_> {
+        Other::Convex { set: &self.set, radius: self.radius, arm: self.arm, front: None }
+    }
 }
 
 /// A shape and, made when they are asked for, its cores: each a layer of [`SUNK`] smaller, down to its middle.
-struct Cores<'a> {
+pub(crate) struct Cores<'a> {
     shape: &'a Shape,
-    whole: Core,
+    pub(crate) whole: Core,
     smaller: [OnceCell<Option<Core>>; LAYERS],
 }
 
 impl<'a> Cores<'a> {
-    fn new(shape: &'a Shape, whole: Core) -> Self {
+    /// None where the shape is not convex and bounded.
+    pub(crate) fn new(shape: &'a Shape, motion: &Motion) -> Option<Self> {
+        Some(Cores::around(shape, Core::new(shape, motion, 0.0)?))
+    }
+
+    fn around(shape: &'a Shape, whole: Core) -> Self {
         Cores { shape, whole, smaller: Default::default() }
     }
 
-    /// A without so many layers; at the least its middle.
-    fn less(&self, layers: usize, motion: &Motion) -> Option<&Core> {
+    /// The shape without so many layers; at the least its middle.
+    pub(crate) fn less(&self, layers: usize, motion: &Motion) -> Option<&Core> {
         let layers = layers.min(LAYERS);
         let Some(place) = layers.checked_sub(1) else { return Some(&self.whole) };
         self.smaller[place].get_or_init(|| Core::new(self.shape, motion, SUNK * layers as f32)).as_ref()
@@ -320,7 +336,7 @@ pub(crate) enum Other<'a> {
 
 /// The nearest points at some time, in the shared frame.
 pub(crate) struct Gap {
-    distance: f32,
+    pub(crate) distance: f32,
     normal: Vec3,
     point: Vec3,
 }

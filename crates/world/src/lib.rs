@@ -15,6 +15,7 @@ mod measure;
 mod pair;
 mod recall;
 mod report;
+mod seam;
 mod settings;
 mod settle;
 mod sleep;

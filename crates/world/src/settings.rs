@@ -41,8 +41,8 @@ pub struct Settings {
     pub sleep_speed: f32,
     /// An island sleeps when all of it has been at rest for so long, s.
     pub sleep_time: f32,
-    /// Bodies that move through more than half of their inner radius in a step are stopped at the static or kinematic
-    /// body that they would pass through.
+    /// Bodies that move through more than half of their inner radius in a step are stopped at what they would pass
+    /// through.
     pub continuous: bool,
     /// Pairs that have hardly moved relative to each other are not looked at again: those that are apart still are, and contacts follow their
     /// bodies. Much slower without, and hardly different: a switch to see by how much.

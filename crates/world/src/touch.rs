@@ -4,9 +4,9 @@
 //! too far for that are found anew, each point with the impulse of the point of the same name. Pairs of which neither body moves are
 //! left alone. Threads share nothing: each takes whole runs of pairs, and a contact belongs to one pair.
 
-use crate::Shape;
 use crate::bodies::Bodies;
 use crate::recall::{Recall, leash};
+use crate::seam::Ground;
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_collide::{Manifold as Local, collide};
@@ -40,13 +40,12 @@ pub(crate) fn touch(
     rooms: &mut Vec<Mutex<Fresh>>,
     touches: &mut Touches,
     contacts: &mut Contacts,
-    bodies: &Bodies,
-    shapes: &[Shape],
+    ground: Ground<'_>,
     surface: &(impl Fn(usize, usize) -> Surface + Sync),
     reuse: bool,
 ) -> Vec<Changes> {
-    let desk = contacts.desk(bodies.rows());
-    let look = Look { bodies, shapes, surface, desk: &desk, reuse };
+    let desk = contacts.desk(ground.bodies.rows());
+    let look = Look { ground, surface, desk: &desk, reuse };
     rooms.resize_with(rayon::current_num_threads(), Mutex::default);
     touches
         .runs
@@ -104,8 +103,8 @@ pub(crate) fn settle_in(changes: Vec<Changes>, touches: &mut Touches, contacts: 
 
 /// What the contacts of a pair are found from.
 struct Look<'a, S> {
-    bodies: &'a Bodies,
-    shapes: &'a [Shape],
+    /// All bodies, and which of them never move.
+    ground: Ground<'a>,
     surface: &'a S,
     desk: &'a Desk<'a>,
     /// Whether what is found serves for longer than a step.
@@ -141,7 +140,7 @@ pub(crate) struct Fresh {
 impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
     /// Whether what the pair at place `before` knows is still true enough, and its contacts are where they belong.
     fn stays(&self, run: &Run, key: u64, before: u32) -> bool {
-        let (bodies, lanes) = (self.bodies, &run.lanes[run.contacts(before)]);
+        let (bodies, lanes) = (self.ground.bodies, &run.lanes[run.contacts(before)]);
         if let Some(first) = lanes.first() {
             // What is parked does not follow.
             return match (self.is_active(key), first.is_parked()) {
@@ -157,12 +156,15 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
 
     /// Runs the pair function. Returns for how long its contacts may follow the bodies.
     fn meet(&self, [a, b]: [usize; 2], balls: bool, recall: &mut Recall, out: &mut Vec<Local>) -> Leash {
-        let bodies = self.bodies;
-        let shape = |row: usize| self.shapes.get(bodies.shapes[row] as usize);
+        let Ground { bodies, shapes, .. } = self.ground;
+        let shape = |row: usize| shapes.get(bodies.shapes[row] as usize);
         let (Some(shape_a), Some(shape_b)) = (shape(a), shape(b)) else { return Leash::default() };
         let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
         let margin = bodies.reaches[a] + bodies.reaches[b];
         let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
+        if !out.is_empty() {
+            self.ground.bare(a, b, out);
+        }
         let count = bodies.ways[a].wrapping_add(bodies.ways[b]);
         if !self.reuse {
             recall.set(count, 0.0);
@@ -175,7 +177,7 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
     /// Whether contacts move one of two bodies in this step.
     fn is_active(&self, key: u64) -> bool {
         let (a, b) = rows(key);
-        let free = |row: u32| self.bodies.roles[row_of(row)] == Role::Free;
+        let free = |row: u32| self.ground.bodies.roles[row_of(row)] == Role::Free;
         free(a) || (b & FIXED == 0 && free(b))
     }
 }
@@ -279,7 +281,7 @@ impl Fresh {
         look: &Look<'_, S>,
         changes: &mut Changes,
     ) -> Recall {
-        let (bodies, desk) = (look.bodies, look.desk);
+        let (bodies, desk) = (look.ground.bodies, look.desk);
         let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
         self.locals.clear();
         let balls = bodies.balls[a] && bodies.balls[b];
@@ -434,6 +436,7 @@ fn recognise(
 mod tests {
     use super::*;
     use crate::touches::tests::{lanes, run_of};
+    use rockfall_tree::Tree;
 
     /// Where pairs have as many contacts as before, columns that are changed in place are those that would be made anew.
     #[test]
@@ -460,8 +463,9 @@ mod tests {
         let mut contacts = Contacts::default();
         let surface = |_, _| Surface::default();
         let bodies = Bodies::new();
-        let look =
-            Look { bodies: &bodies, shapes: &[], surface: &surface, desk: &contacts.desk(1), reuse: true };
+        let tree = Tree::default();
+        let ground = Ground { bodies: &bodies, shapes: &[], tree: &tree };
+        let look = Look { ground, surface: &surface, desk: &contacts.desk(1), reuse: true };
         fresh.replace(&mut anew, &look, &mut made_anew);
 
         assert_eq!(in_place.slots, [2, 3]);

@@ -98,13 +98,6 @@ impl Touches {
         self.runs.iter().flat_map(Run::entries)
     }
 
-    /// Whether the pair of a key is in contact, or about to be.
-    pub(crate) fn has_manifold(&self, key: u64) -> bool {
-        let run = self.runs.partition_point(|run| run.keys.first().is_some_and(|&first| first <= key));
-        let Some(run) = run.checked_sub(1).map(|i| &self.runs[i]) else { return false };
-        run.keys.binary_search(&key).is_ok_and(|i| !run.contacts(i as u32).is_empty())
-    }
-
     /// Cuts runs that have become long and joins those that have become short.
     pub(crate) fn balance(&mut self) {
         let long = |run: &Run| run.keys.len() > 2 * RUN;
@@ -338,7 +331,6 @@ pub(crate) mod tests {
         assert!(touches.runs.len() < parts / 3);
         assert_eq!(found(&touches), whole);
         assert!(touches.keys().is_sorted() && touches.pairs() == whole.len());
-        assert!(touches.has_manifold(4) && !touches.has_manifold(6) && !touches.has_manifold(10_000));
     }
 
     #[test]

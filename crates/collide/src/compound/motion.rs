@@ -4,8 +4,14 @@ use crate::{Motion, Sweep, Toi};
 use rockfall_math::{Aabb, Vec3};
 use rockfall_shape::{Part, Shape};
 
-/// [`time_of_impact`](crate::time_of_impact) where one of the two is a compound.
-pub(crate) fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
+/// The first time that `impact`, of two shapes on their ways and the target distance, tells of a part, where one of the two shapes is a compound.
+pub(crate) fn first_impact(
+    a: &Shape,
+    b: &Shape,
+    sweep: &Sweep,
+    target_distance: f32,
+    impact: impl Fn(&Shape, &Shape, &Sweep, f32) -> Option<Toi>,
+) -> Option<Toi> {
     let Sweep { a: motion_a, b: motion_b } = *sweep;
     let sweeps: Vec<(&Shape, &Shape, Sweep)> = match (a, b) {
         (_, Shape::Compound(compound)) => {
@@ -21,8 +27,7 @@ pub(crate) fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distanc
         }
         _ => return None,
     };
-    let tois =
-        sweeps.into_iter().filter_map(|(a, b, sweep)| crate::time_of_impact(a, b, &sweep, target_distance));
+    let tois = sweeps.into_iter().filter_map(|(a, b, sweep)| impact(a, b, &sweep, target_distance));
     tois.reduce(|first, other| if other.time < first.time { other } else { first })
 }
 

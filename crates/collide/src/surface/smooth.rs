@@ -77,9 +77,8 @@ pub(super) fn touch<S: Surface>(
         }
     }
     let spoke = probe.frame * start(probe.frame.transpose() * facet.normal);
-    let before = touches.len();
-    on_face(facet, i, a, &patch(a, -facet.normal, spoke), deepest, probe, touches);
-    if touches.len() == before && height < 0.0 {
+    let shown = on_face(facet, i, a, &patch(a, -facet.normal, spoke), deepest, probe, touches);
+    if !shown && height < 0.0 {
         touches.extend(lowest_over(facet, i, a, height, probe));
     }
 }
@@ -168,7 +167,7 @@ fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, out: Vec3, at: Vec3) ->
 }
 
 /// A under the triangle's normal: the parts of its patch in the prism over the triangle, the triangle's corners under it, and
-/// the deepest point where the patch does not show it.
+/// the deepest point where the patch does not show it. Whether anything of the patch is over the triangle.
 fn on_face(
     facet: &Facet,
     i: usize,
@@ -177,9 +176,10 @@ fn on_face(
     deepest: Vec3,
     probe: &Probe,
     touches: &mut Vec<Touch>,
-) {
+) -> bool {
     let reach = probe.margin + a.skin;
     let n = patch.corners.len();
+    let (before, mut crossed) = (touches.len(), false);
     let mut shown = f32::INFINITY;
     for (k, &v) in patch.corners.iter().enumerate() {
         let height = facet.height(v);
@@ -204,17 +204,19 @@ fn on_face(
                 .map(|(v, height)| facet.outside(side, v) - facet.allowance(side, height));
             (from, to)
         });
-        let Some((from, to)) = super::solid::clip(sides) else { continue };
-        for (t, end) in [(from, 0.0), (to, 1.0)] {
+        let Some(ends) = super::solid::clip(sides) else { continue };
+        crossed |= ends.iter().any(|(t, _)| facet.height(p + *t * (q - p)) <= reach);
+        for (k, (t, cut)) in ends.into_iter().enumerate() {
+            // Over a flat border the neighbour has the rest, and its end.
             let v = p + t * (q - p);
-            if t != end && facet.height(v) <= reach {
-                let feature = facet.own_feature(3, e, end as usize);
+            if cut.is_some_and(|side| facet.kinds[side] != EdgeKind::Flat) && facet.height(v) <= reach {
+                let feature = facet.own_feature(3, e, k);
                 touches.push(Touch { feature, ..facet.face_touch(i, v, a.skin, 0) });
             }
         }
     }
     if n < 3 || patch.cosine < LIES {
-        return;
+        return crossed || touches.len() > before;
     }
     for (k, &corner) in facet.corners.iter().enumerate() {
         let distance = patch.height(corner) / patch.cosine - a.skin;
@@ -230,4 +232,5 @@ fn on_face(
             });
         }
     }
+    crossed || touches.len() > before
 }

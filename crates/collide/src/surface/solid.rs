@@ -20,6 +20,9 @@ const SQUARE: f32 = 1e-3;
 /// Sine by which a direction may leave the cone of a corner.
 const CONE: f32 = 2e-4;
 
+/// Sine from which on an edge stands upright on a triangle.
+const STEEP: f32 = 0.7;
+
 /// Share of A's inner radius by which another direction must be better than the triangle's own normal.
 const BETTER: f32 = 1e-3;
 
@@ -208,13 +211,15 @@ fn on_face(facet: &Facet, i: usize, a: &Poly, probe: &Probe, touches: &mut Vec<T
                 .map(|(v, height)| facet.outside(side, v) - facet.allowance(side, height));
             (from, to)
         });
-        let Some((from, to)) = clip(sides) else {
-            continue;
-        };
-        for (t, end) in [(from, 0.0), (to, 1.0)] {
+        let Some(ends) = clip(sides) else { continue };
+        // Over a flat border the neighbour has the rest of an edge, and its end. Of an upright edge on the border rounding would
+        // decide at which height it crosses.
+        let upright = (heights[1] - heights[0]).abs() > STEEP * p.distance(q);
+        for (k, (t, cut)) in ends.into_iter().enumerate() {
             let v = p + t * (q - p);
-            if t != end && facet.height(v) <= probe.margin {
-                let feature = facet.own_feature(3, e, end as usize);
+            let crosses = cut.is_some_and(|side| !upright || facet.kinds[side] != EdgeKind::Flat);
+            if crosses && facet.height(v) <= probe.margin {
+                let feature = facet.own_feature(3, e, k);
                 touches.push(Touch { feature, ..facet.face_touch(i, v, 0.0, 0) });
             }
         }
@@ -249,21 +254,22 @@ fn sides<'a>(a: &'a Poly, face: usize) -> impl Iterator<Item = (Vec3, Vec3)> + '
     })
 }
 
-/// The part of a segment on the inner side of all planes, as parameters; for each plane, how far outside both
-/// ends are.
-pub(super) fn clip(planes: impl Iterator<Item = (f32, f32)>) -> Option<(f32, f32)> {
-    let (mut first, mut last) = (0.0_f32, 1.0_f32);
-    for (from, to) in planes {
+/// The part of a segment on the inner side of all planes: its two ends as parameters, each with the plane that cuts it there, if one does. For
+/// each plane, how far outside both ends of the segment are.
+pub(super) fn clip(planes: impl Iterator<Item = (f32, f32)>) -> Option<[(f32, Option<usize>); 2]> {
+    let (mut first, mut last) = ((0.0_f32, None), (1.0_f32, None));
+    for (plane, (from, to)) in planes.enumerate() {
         if from > 0.0 && to > 0.0 {
             return None;
         }
-        if from > 0.0 {
-            first = first.max(from / (from - to));
-        } else if to > 0.0 {
-            last = last.min(from / (from - to));
+        let crossed = from / (from - to);
+        if from > 0.0 && crossed > first.0 {
+            first = (crossed, Some(plane));
+        } else if to > 0.0 && crossed < last.0 {
+            last = (crossed, Some(plane));
         }
     }
-    (first <= last).then_some((first, last))
+    (first.0 <= last.0).then_some([first, last])
 }
 
 /// Where a point of the surface touches a face of A, `height` over it.
@@ -316,10 +322,10 @@ fn edge_under(
 ) {
     let (p, q) = (facet.corners[edge], facet.corners[(edge + 1) % 3]);
     let outside = sides(a, face).map(|(from, outward)| (outward.dot(p - from), outward.dot(q - from)));
-    let Some((from, to)) = clip(outside) else {
+    let Some(ends) = clip(outside) else {
         return;
     };
-    for (t, end) in [(from, 0), (to, 1)] {
+    for (end, (t, _)) in ends.into_iter().enumerate() {
         let point = p + t * (q - p);
         let height = a.normals[face].dot(point) - a.offsets[face];
         if height <= probe.margin {

@@ -8,6 +8,7 @@ use crate::index::index;
 use crate::link::link;
 use crate::measure::measure;
 use crate::pair::pair;
+use crate::seam::Ground;
 use crate::settle::settle;
 use crate::sleep::sleep;
 use crate::sweep::{Surroundings, sweep};
@@ -57,7 +58,8 @@ impl World {
         follow(contacts, &mut bodies.solver_columns(), *width);
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
-        let mut changes = touch(rooms, touches, contacts, bodies, shapes, &surface, settings.reuse);
+        let ground = Ground { bodies, shapes, tree: &trees.fixed };
+        let mut changes = touch(rooms, touches, contacts, ground, &surface, settings.reuse);
         report.frozen += freeze(bodies, &Changes::broken(&changes));
         clock.lap();
         color(&mut changes, contacts, bodies.rows());
@@ -81,7 +83,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees, touches });
+            sweep(bodies, Surroundings { shapes, trees });
         }
         clock.lap();
         if settings.sleeping {

@@ -1,0 +1,93 @@
+//! Where a body has to be stopped so that it does not pass through another.
+//!
+//! Contacts see ahead, and push out what has sunk in. What they can't make good is a body that comes out on the other side.
+//! So a pair of solids is stopped only where one of them would reach the *core* of the other, which is that body
+//! less a layer of a quarter of its inner radius; the same rule as for the triangles of a surface (see [`time_of_impact`]). Stopped wherever they
+//! touch, bodies of a stream would be held back and run into from behind.
+//!
+//! Both cores count: a bullet may not reach the core of a plate, nor a plate, however thin its own layer is, that of the
+//! bullet. What comes from afar is stopped where it touches. Of what was near from the start each may sink in by one layer more
+//! than it has, so that nothing is held where it lies.
+
+use crate::time_of_impact::{Core, Cores, Course, LAYERS, NEAR, Other, SUNK};
+use crate::{Sweep, Toi, compound, time_of_impact};
+use rockfall_shape::Shape;
+
+/// When `a`, which is convex, a compound or a field, has to be stopped so that it does not pass through `b`, which may be of any kind: at the
+/// `target_distance` in metres from what it would go through, or on its way into it; none where it does not.
+///
+/// For meshes, fields and height fields this is [`time_of_impact`]. Of compounds the first part counts. Of a field A it is the ball inside that is stopped.
+///
+/// None as well where `a` is none of these, a number is not finite, or one body is in the middle of the other already.
+///
+/// # Examples
+/// ```
+/// use rockfall_collide::{Motion, Sweep, passage};
+/// use rockfall_math::{Isometry, Vec3};
+/// use rockfall_shape::Shape;
+///
+/// let (bullet, plate) = (Shape::Sphere { radius: 0.005 }, Shape::Box { half: Vec3::new(0.0005, 1.0, 1.0) });
+/// let start = Isometry { translation: Vec3::new(-1.0, 0.0, 0.0), ..Isometry::IDENTITY };
+/// let shot = |way: f32| Sweep {
+///     a: Motion { translation: Vec3::X * way, ..Motion::at_rest(start) },
+///     b: Motion::at_rest(Isometry::IDENTITY),
+/// };
+/// let stop = passage(&bullet, &plate, &shot(2.0), 1e-5).expect("it would fly through");
+/// assert!((stop.time - 0.49725).abs() < 1e-4);
+/// // Contacts take care of what only touches.
+/// assert_eq!(passage(&bullet, &plate, &shot(0.9946), 1e-5), None);
+/// ```
+pub fn passage(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
+    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+        return compound::first_impact(a, b, sweep, target_distance, passage);
+    }
+    if !b.is_convex() {
+        return time_of_impact(a, b, sweep, target_distance);
+    }
+    let thin = a.inner_radius().min(b.inner_radius());
+    if !sweep.is_finite() || target_distance.is_nan() || gone(a, b, sweep) < SUNK * thin {
+        return None;
+    }
+    let cores = Cores::new(a, &sweep.a)?;
+    let course = Course { sweep, inner: 0.0, target: target_distance.max(0.0) };
+    if let Shape::HalfSpace { normal, offset } = b {
+        // There is no other side to come out on, and no core to reach.
+        let ground = || Other::HalfSpace { normal: *normal, offset: *offset };
+        return first(&course, thin, [&|layers| Some((cores.less(layers, &sweep.a)?, ground()))]);
+    }
+    let others = Cores::new(b, &sweep.b)?;
+    let of_a = |layers: usize| Some((cores.less(layers, &sweep.a)?, others.whole.as_other()));
+    let of_b = |layers: usize| Some((&cores.whole, others.less(layers, &sweep.b)?.as_other()));
+    first(&course, thin, [&of_a, &of_b])
+}
+
+/// Two bodies, one of them with so many layers less.
+type Less<'a> = dyn Fn(usize) -> Option<(&'a Core, Other<'a>)> + 'a;
+
+/// The first time at which two bodies have to be stopped, of which the thinner has the inner radius `thin`; each of `bodies` takes
+/// its layers off one of them.
+fn first<'a, const N: usize>(course: &Course, thin: f32, bodies: [&Less<'a>; N]) -> Option<Toi> {
+    let (a, b) = bodies[0](0)?;
+    if course.gap(a, &b, 0.0).is_some_and(|gap| gap.distance > NEAR * thin) {
+        let touch = course.advance(a, &b, 0.0, 1.0)?;
+        let reaches =
+            |less: &&Less<'a>| less(1).and_then(|(a, b)| course.advance(a, &b, touch.time, 1.0)).is_some();
+        return bodies.iter().any(reaches).then_some(touch);
+    }
+    // Near each other from the start: when one sinks into the other by one layer more than it has.
+    let into = |less: &&Less<'a>| {
+        let apart = |layers: &usize| less(*layers).and_then(|(a, b)| course.gap(a, &b, 0.0)).is_some();
+        let (a, b) = less((0..LAYERS).find(apart)? + 1)?;
+        course.advance(a, &b, 0.0, 1.0)
+    };
+    bodies.iter().filter_map(into).min_by(|p, q| p.time.total_cmp(&q.time))
+}
+
+/// How far a point of one body goes relative to the other, at most, metres.
+fn gone(a: &Shape, b: &Shape, sweep: &Sweep) -> f32 {
+    let turned = |shape: &Shape, motion: &crate::Motion| {
+        let angle = motion.rotation.length();
+        if angle > 0.0 { angle * shape.radius_about(motion.center) } else { 0.0 }
+    };
+    (sweep.a.translation - sweep.b.translation).length() + turned(a, &sweep.a) + turned(b, &sweep.b)
+}
