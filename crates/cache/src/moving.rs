@@ -32,7 +32,8 @@ const FEWEST_FRAMES: usize = 8;
 /// A quarter of a million.
 const MANY: usize = 1 << 18;
 
-/// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here.
+/// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here, and with it kept on
+/// they take as long.
 const LEVEL: i32 = 1;
 
 /// One array.
@@ -172,7 +173,7 @@ impl Moving {
     /// The bytes of a chunk. `values` are those of a row of chunks, frame by frame.
     pub(crate) fn encode(&self, values: &[i32], column: usize, coder: &mut Coder) -> io::Result<Vec<u8>> {
         let numbers = self.span * self.chunk * self.width;
-        coder.planes.clear();
+        // Every byte is written.
         coder.planes.resize(numbers * self.bytes(), 0);
         match self.bytes() {
             2 => self.shuffle::<2>(values, column, &mut coder.planes),
@@ -188,20 +189,16 @@ impl Moving {
         let mut parts = planes.chunks_exact_mut(self.span * self.chunk * self.width);
         let planes: [&mut [u8]; BYTES] = std::array::from_fn(|_| parts.next().unwrap_or_default());
         let mut planes = planes.map(|plane| plane.chunks_exact_mut(self.span));
-        let (mut before, mut strip) = (0_i32, vec![self.numbers.absent(); self.span]);
+        let absent = self.numbers.absent();
+        let (mut before, mut strip) = (0_i32, vec![0; self.span]);
         for axis in 0..self.width {
             for body in bodies.start..bodies.start + self.chunk {
-                if body < bodies.end {
-                    let frames = values[body * self.width + axis..].iter().step_by(stride);
-                    for (to, &value) in strip.iter_mut().zip(frames) {
-                        let difference = value.wrapping_sub(before);
-                        *to = if delta { difference } else { value };
-                        before = value;
-                    }
-                } else {
-                    strip.fill(if delta { 0 } else { self.numbers.absent() });
-                    strip[0] = if delta { self.numbers.absent().wrapping_sub(before) } else { strip[0] };
-                    before = self.numbers.absent();
+                for (frame, to) in strip.iter_mut().enumerate() {
+                    let there = body < bodies.end;
+                    let value =
+                        if there { values[frame * stride + body * self.width + axis] } else { absent };
+                    *to = if delta { value.wrapping_sub(before) } else { value };
+                    before = value;
                 }
                 for (byte, plane) in planes.iter_mut().enumerate() {
                     for (to, value) in plane.next().unwrap_or_default().iter_mut().zip(&strip) {

@@ -127,7 +127,13 @@ impl RunReader {
     /// # Errors
     /// [`Error::Damaged`].
     pub fn hashes(&self) -> Result<Vec<u64>, Error> {
-        if self.layout()? == 1 { Ok(Vec::new()) } else { self.all("hash") }
+        if self.layout()? == 1 {
+            return Ok(Vec::new());
+        }
+        let (frames, mut hashes) = (self.frames()?, self.all("hash")?);
+        // In a run that goes on they may be ahead.
+        hashes.truncate(usize::try_from(frames).unwrap_or(usize::MAX));
+        Ok(hashes)
     }
 
     /// The bodies.
@@ -169,7 +175,7 @@ impl RunReader {
     /// [`Error::NoFrame`], [`Error::Damaged`].
     pub fn velocities(&self, frame: u64) -> Result<Option<Velocities>, Error> {
         self.has(frame)?;
-        if self.layout()? == 1 || self.arrays()?.len() < MOVING.len() {
+        if !self.has_velocities()? {
             return Ok(None);
         }
         let [linear, angular] = self.at(frame, ["velocity", "angular_velocity"])?;
@@ -202,11 +208,11 @@ impl RunReader {
             }
             let column = row / array.chunk;
             let bodies = array.of_column(column);
-            // Its column alone.
+            // Its column alone, as if there were no other.
             let part = Moving { bodies: bodies.len(), ..array.clone() };
             let mut chunk = vec![0; part.row()];
             for index in 0..frames.div_ceil(array.span as u64) {
-                self.chunk(array, &part, index, column, &mut chunk)?;
+                self.chunk(&array.key(index, column), &part, 0, &mut chunk)?;
                 let there = (frames - index * array.span as u64).min(array.span as u64) as usize;
                 for frame in 0..there {
                     let at = (frame * part.bodies + row - bodies.start) * array.width;
@@ -275,10 +281,8 @@ impl RunReader {
     /// The arrays of poses and, where there are, of velocities. They have the same bodies and the same frames in a chunk.
     pub(crate) fn arrays(&self) -> Result<Vec<Moving>, Error> {
         let mut arrays: Vec<Moving> = Vec::new();
-        for (name, dimension) in MOVING {
-            if arrays.len() == 2 && !self.path.join(TRAJECTORY).join(name).is_dir() {
-                break;
-            }
+        let there = if self.has_velocities()? { 4 } else { 2 };
+        for (name, dimension) in MOVING.into_iter().take(there) {
             let metadata = self.metadata(&format!("{name}/zarr.json"))?;
             let (array, _) =
                 Moving::of(name, dimension, &metadata).map_err(|reason| self.damaged(name, reason))?;
@@ -297,25 +301,22 @@ impl RunReader {
     pub(crate) fn row_of(&self, array: &Moving, row: u64) -> Result<Vec<i32>, Error> {
         let mut values = vec![0; array.row()];
         for column in 0..array.columns() {
-            self.chunk(array, array, row, column, &mut values)?;
+            self.chunk(&array.key(row, column), array, column, &mut values)?;
         }
         Ok(values)
     }
 
-    /// Reads the chunk of `array` at a row and a column into `values`, which are those of `part`: of all columns, or of this one.
-    fn chunk(
-        &self,
-        array: &Moving,
-        part: &Moving,
-        row: u64,
-        column: usize,
-        values: &mut [i32],
-    ) -> Result<(), Error> {
-        let path = self.path.join(TRAJECTORY).join(array.key(row, column));
+    /// Reads a chunk, which is in a column of `array`, into the `values` of a row of its chunks.
+    fn chunk(&self, key: &str, array: &Moving, column: usize, values: &mut [i32]) -> Result<(), Error> {
+        let path = self.path.join(TRAJECTORY).join(key);
         // The writer leaves out no chunk, so one that is not there was lost.
         let bytes = fs::read(&path).map_err(|error| Error::damaged(&path, error))?;
-        let within = if part.bodies == array.bodies { column } else { 0 };
-        part.decode(&bytes, within, values).map_err(|error| Error::damaged(&path, error))
+        array.decode(&bytes, column, values).map_err(|error| Error::damaged(&path, error))
+    }
+
+    /// Whether there are velocities beside the poses.
+    fn has_velocities(&self) -> Result<bool, Error> {
+        Ok(self.attributes()?.get("velocities").and_then(Value::as_bool).unwrap_or(false))
     }
 
     /// Fails where the run has no such frame; returns how many it has.

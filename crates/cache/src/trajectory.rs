@@ -124,6 +124,7 @@ impl TrajectoryWriter {
             ("frames_per_second", json!(rate)),
             ("position_error_m", json!(contents.precision.position)),
             ("rotation_error_rad", json!(contents.precision.rotation)),
+            ("velocities", json!(contents.velocities)),
             ("scene", json!(Some(&contents.scene).filter(|text| text.len() <= SCENE_BYTES))),
         ]);
         let built = GroupBuilder::new().attributes(group).build(store.clone(), "/");

@@ -26,7 +26,8 @@ position = [0, 0, 10]
             Ty::Texts,
             "[]",
             "Scene files to read before this one, relative to it. Their materials, shapes, bodies and generators come \
-             first; a key of `[world]` that is set here wins over theirs. A file that is included twice is read once.",
+             first; a key of `[world]` or `[output]` that is set here wins over theirs. A file that is included twice is read \
+             once.",
         ),
         key("world", Ty::Table(&WORLD), "{}", "What holds for the whole scene."),
         key("output", Ty::Table(&OUTPUT), "{}", "What a run writes of each body at each frame."),

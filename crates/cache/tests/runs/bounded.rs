@@ -79,6 +79,17 @@ fn every_pose_is_within_the_bound() {
     }
 }
 
+/// Promise: velocities that are gone are told of, not taken for such as never were.
+#[test]
+fn velocities_that_were_lost_are_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    synthetic::write_bounded(&path, 7, 3).unwrap();
+    fs::remove_dir_all(path.join(TRAJECTORY).join("velocity")).unwrap();
+    let run = RunReader::open(&path).unwrap();
+    assert!(matches!(run.velocities(1), Err(Error::Damaged { .. })));
+}
+
 /// Promise: what can't be stored is absent, and counted; the rest of the frame is whole.
 #[test]
 fn a_body_too_far_away_is_told_of_and_spoils_nothing() {
