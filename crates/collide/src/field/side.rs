@@ -72,6 +72,14 @@ impl<'a> Side<'a> {
         Some(Foot { point, cone: Some((self.place.vector(normal), cone)) })
     }
 
+    /// The exact signed distance of a point from the mesh of a field, which says that it is `about` so much.
+    pub(super) fn exact_distance(&self, p: Vec3, about: f32) -> Option<f32> {
+        let field = self.field()?;
+        let limit = about.abs() + field.bound(about);
+        let near = field.mesh().nearest(self.place.inverse_point(p).as_dvec3(), f64::from(limit))?;
+        Some(near.distance as f32)
+    }
+
     pub(super) fn nearest(&self, p: Vec3, limit: f32) -> Option<Near> {
         let own = self.place.inverse_point(p);
         let (distance, normal) = match self.shape {
