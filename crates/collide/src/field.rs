@@ -9,7 +9,7 @@
 //! 2. `slide` moves those that are nearer than their neighbours along their own surface to where the distance is least, since the true contact lies between samples.
 //! 3. `cluster` makes manifolds of what looks the same way.
 //!
-//! The distance is off by no more than the error of the fields, and what is smaller than their spacing may be missed; a plane, a box or a mesh adds nothing of its own. A point counts only
+//! The distances that are told are those of the meshes; which points are found is decided to the error of the fields, and what is smaller than their spacing may be missed; a plane, a box or a mesh adds nothing of its own. A point counts only
 //! where the surfaces face each other: one of a floor beside what stands on it looks past the edge of that, and what has come through more than half of a thin wall finds the way out on the wrong side, and must not be pushed there.
 
 mod cluster;
@@ -52,6 +52,6 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
     if contacts.is_empty() {
         return nearest.max(0.0);
     }
-    cluster::manifolds(&contacts, margin, out);
+    cluster::manifolds([&side_a, &side_b], &contacts, margin, out);
     0.0
 }

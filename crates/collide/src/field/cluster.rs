@@ -4,6 +4,7 @@
 //! carry as much as all, wherever they are. Points that touch come first, by name, so that the same ones lead from step to step.
 
 use super::gather::Contact;
+use super::side::Side;
 use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
@@ -17,8 +18,9 @@ const BEARING: f32 = 1.5e-3;
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 2.5e-4;
 
-/// Appends the manifolds of contacts that are no further apart than `margin`.
-pub(super) fn manifolds(contacts: &[Contact], margin: f32, out: &mut Vec<Manifold>) {
+/// Appends the manifolds of contacts that are no further apart than `margin`. What is left of them is measured by the meshes: where two points of a place say by a field's error different
+/// distances, and take turns, bodies are pushed.
+pub(super) fn manifolds(sides: [&Side; 2], contacts: &[Contact], margin: f32, out: &mut Vec<Manifold>) {
     let mut order: Vec<&Contact> = contacts.iter().collect();
     order.sort_by_key(|contact| (contact.distance > 0.0, contact.name));
     let mut clusters: Vec<Vec<&Contact>> = Vec::new();
@@ -33,7 +35,25 @@ pub(super) fn manifolds(contacts: &[Contact], margin: f32, out: &mut Vec<Manifol
             None => clusters.push(vec![contact]),
         }
     }
-    out.extend(clusters.iter().map(|cluster| manifold(cluster, margin)));
+    out.extend(clusters.iter().map(|cluster| {
+        let mut manifold = manifold(cluster, margin);
+        for point in &mut manifold.points[..manifold.count as usize] {
+            if let Some(contact) = cluster.iter().find(|contact| contact.name == point.feature) {
+                measure(sides, contact, point);
+            }
+        }
+        manifold
+    }));
+}
+
+/// Gives a point the exact distance of its own body's point from the other body.
+fn measure([a, b]: [&Side; 2], contact: &Contact, point: &mut ContactPoint) {
+    let other = if contact.is_of_b() { a } else { b };
+    let Some(distance) = other.exact_distance(contact.own_point(), contact.distance) else { return };
+    point.position += 0.5
+        * (contact.distance - distance)
+        * if contact.is_of_b() { contact.normal } else { -contact.normal };
+    point.distance = distance;
 }
 
 fn manifold(cluster: &[&Contact], margin: f32) -> Manifold {

@@ -8,8 +8,9 @@ use rockfall_shape::SAMPLES_IN_A_BALL;
 /// The way to the other body may leave the cone of the surface's own normals by this angle, as cosine and sine: 60°. The nearest place may be a little further along a surface that bends.
 const NEARLY: [f32; 2] = [0.5, 0.866];
 
-/// The same for points that are looked at where they are: 10°. A point of a floor beside the foot of what stands on it looks past its edge.
-const FACING: [f32; 2] = [0.985, 0.174];
+/// The same for points that stay where they are: 4°. A point of a floor beside the foot of what stands on it looks past its edge, and beside the place where two round bodies touch there are only points
+/// that come near later or never.
+pub(super) const FACING: [f32; 2] = [0.997_56, 0.069_76];
 
 /// And for those that are where the two surfaces are nearest already.
 const OPPOSITE: f32 = 0.999_9;
@@ -40,7 +41,7 @@ pub(super) struct Contact {
 }
 
 /// Whether the cosine of an angle says that it is within a cone, which is given by the cosine of its own, or by no more than `beside` beyond.
-fn within(cosine: f32, cone: f32, [beside, sine]: [f32; 2]) -> bool {
+pub(super) fn within(cosine: f32, cone: f32, [beside, sine]: [f32; 2]) -> bool {
     // The cosine of the sum of both; everything is within a cone that the sum makes a whole ball.
     let open = cone <= -beside;
     open || cosine >= cone * beside - (1.0 - cone * cone).max(0.0).sqrt() * sine

@@ -20,6 +20,14 @@ pub(super) struct Near {
     pub(super) normal: Vec3,
 }
 
+/// A point of a surface.
+#[derive(Clone, Copy)]
+pub(super) struct Foot {
+    pub(super) point: Vec3,
+    /// Of a field: the middle of the normals there, and the cosine of the largest angle to one of them.
+    pub(super) cone: Option<(Vec3, f32)>,
+}
+
 impl<'a> Side<'a> {
     pub(super) fn new(shape: &'a Shape, place: Isometry, depth: f32) -> Self {
         Side { shape, place, depth }
@@ -51,13 +59,25 @@ impl<'a> Side<'a> {
     }
 
     /// The point of the surface nearest to a point that is at most `limit` metres off it, exactly.
-    pub(super) fn foot(&self, p: Vec3, limit: f32) -> Option<Vec3> {
+    pub(super) fn foot(&self, p: Vec3, limit: f32) -> Option<Foot> {
         let Some(field) = self.field() else {
-            return self.nearest(p, limit).map(|near| p - near.distance * near.normal);
+            let point = self.nearest(p, limit).map(|near| p - near.distance * near.normal)?;
+            return Some(Foot { point, cone: None });
         };
         let own = self.place.inverse_point(p).as_dvec3();
         let near = field.mesh().nearest(own, f64::from(limit))?;
-        Some(self.place.point(near.point.as_vec3()))
+        let normal = near.normal.as_vec3();
+        let cone = normal.dot(field.mesh().normals[near.triangle as usize]);
+        let point = self.place.point(near.point.as_vec3());
+        Some(Foot { point, cone: Some((self.place.vector(normal), cone)) })
+    }
+
+    /// The exact signed distance of a point from the mesh of a field, which says that it is `about` so much.
+    pub(super) fn exact_distance(&self, p: Vec3, about: f32) -> Option<f32> {
+        let field = self.field()?;
+        let limit = about.abs() + field.bound(about);
+        let near = field.mesh().nearest(self.place.inverse_point(p).as_dvec3(), f64::from(limit))?;
+        Some(near.distance as f32)
     }
 
     pub(super) fn nearest(&self, p: Vec3, limit: f32) -> Option<Near> {

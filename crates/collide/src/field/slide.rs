@@ -4,7 +4,7 @@
 //! part over the last step says (the secant method, with the length of Barzilai and Borwein, "Two-Point Step Size Gradient Methods", IMA Journal of Numerical Analysis 8, 1988), and back to its surface. A
 //! step that leads further away is taken back and tried shorter; so edges and corners stay where they are.
 
-use super::gather::Contact;
+use super::gather::{Contact, FACING, within};
 use super::side::{Near, Side};
 use rockfall_math::Vec3;
 
@@ -21,6 +21,9 @@ const FAR: f32 = 1.0;
 /// Points nearer than that to one that has slid, in spacings, belong to the same place.
 const PLACE: f32 = 2.0;
 
+/// Cosine of the angle between the directions of two contacts of one place.
+const ALIKE: f32 = 0.8;
+
 /// Moves the nearest point of each place to where the distance is least.
 pub(super) fn settle(a: &Side, b: &Side, spacing: f32, contacts: &mut [Contact]) {
     let mut order: Vec<usize> = (0..contacts.len()).collect();
@@ -28,18 +31,21 @@ pub(super) fn settle(a: &Side, b: &Side, spacing: f32, contacts: &mut [Contact])
     let mut places: Vec<(Vec3, Vec3)> = Vec::new();
     for i in order {
         let contact = contacts[i];
-        let known = |(place, normal): &(Vec3, Vec3)| {
+        let near = |(place, _): &&(Vec3, Vec3)| {
             place.distance_squared(contact.position) < (PLACE * spacing) * (PLACE * spacing)
-                && normal.dot(contact.normal) > 0.8
         };
-        if places.iter().any(known) {
+        if places.iter().filter(near).any(|(_, normal)| normal.dot(contact.normal) > ALIKE) {
             continue;
         }
+        // Where two bodies touch and nothing is nearer there is a contact, whichever way the surfaces look.
+        let touches = contact.distance <= 0.0 || places.is_empty();
+        let alone = touches && !places.iter().any(|place| near(&place));
         places.push((contact.position, contact.normal));
         if contact.slides {
             let sides = if contact.is_of_b() { [b, a] } else { [a, b] };
             contacts[i] = slid(sides, spacing, &contact);
         }
+        contacts[i].faces |= alone;
     }
 }
 
@@ -47,7 +53,7 @@ fn slid([own, other]: [&Side; 2], spacing: f32, contact: &Contact) -> Contact {
     let start = contact.own_point();
     let (mut p, mut distance) = (start, contact.distance);
     let mut out = if contact.is_of_b() { contact.normal } else { -contact.normal };
-    let mut moved = false;
+    let mut faces = contact.faces;
     let limit = distance.abs() + 2.0 * spacing;
     let Some(at) = own.nearest(p, limit) else { return *contact };
     let mut down = tangent(-out, at.normal);
@@ -59,7 +65,8 @@ fn slid([own, other]: [&Side; 2], spacing: f32, contact: &Contact) -> Contact {
         }
         let ahead = p + step / steep * down;
         // The surface is no further from there than the step is long.
-        let Some(next) = own.foot(ahead, 1.01 * step) else { break };
+        let Some(foot) = own.foot(ahead, 1.01 * step) else { break };
+        let next = foot.point;
         let Some(there) = other.nearest(next, limit) else { break };
         if there.distance >= distance || next.distance(start) > FAR * spacing {
             step *= 0.3;
@@ -72,10 +79,11 @@ fn slid([own, other]: [&Side; 2], spacing: f32, contact: &Contact) -> Contact {
         let left = after.length();
         step = if bend * FAR * spacing > left { left / bend } else { spacing };
         (p, distance, out, down) = (next, there.distance, there.normal, after);
-        moved = true;
+        // What has not come to the nearest place within its way leaves that to others.
+        faces = foot.cone.is_none_or(|(normal, cone)| within(normal.dot(-out), cone, FACING));
     }
     let slid = Contact::new(contact.is_of_b(), p, Near { distance, normal: out }, contact.name);
-    Contact { faces: moved || contact.faces, ..slid }
+    Contact { faces, ..slid }
 }
 
 fn tangent(v: Vec3, normal: Vec3) -> Vec3 {
