@@ -22,6 +22,10 @@ const FLUSH: f32 = 1e-4;
 /// How far around its point a face is looked at, as a share of the mover's inner radius.
 const AROUND: f32 = 0.1;
 
+/// Overlap beyond which a contact is never dropped, as a share of the mover's inner radius. What slides over a floor hardly sinks in; in a corner, what has
+/// sunk deep into the floor and into the wall would be hidden from each by the other, and be lost.
+const DEEP: f32 = 0.5 * AROUND;
+
 /// Sine up to which a direction is that of a face.
 const TILT: f32 = 1e-4;
 
@@ -51,7 +55,7 @@ impl Ground<'_> {
     /// row `b`, in the frame of the mover's shape.
     pub(crate) fn bare(&self, a: usize, b: usize, manifolds: &mut Vec<Manifold>) {
         let Ground { bodies, tree, .. } = *self;
-        if tree.len() < 2 || bodies.kinds[b] != Kind::Static {
+        if tree.len() < 2 || bodies.kinds[b] != Kind::Static || self.is_plane(b) {
             return;
         }
         let size = bodies.inners[a];
@@ -76,7 +80,8 @@ impl Ground<'_> {
             for p in 0..manifold.count as usize {
                 let point = manifold.points[p];
                 let on_b = own.onto(on_b(manifold.normal, &point));
-                if !is_hidden(&own, &neighbours, on_b, -manifold.normal, size) {
+                let deep = point.distance < -DEEP * size;
+                if deep || !is_hidden(&own, &neighbours, on_b, -manifold.normal, size) {
                     manifold.points[kept] = point;
                     kept += 1;
                 }
@@ -84,6 +89,11 @@ impl Ground<'_> {
             manifold.count = kept as u32;
             kept > 0
         });
+    }
+
+    /// A plane has no side that anything could run into.
+    fn is_plane(&self, row: usize) -> bool {
+        matches!(self.shapes.get(self.bodies.shapes[row] as usize), Some(Shape::HalfSpace { .. }))
     }
 
     fn collide(&self, a: usize, other: usize) -> bool {

@@ -144,7 +144,8 @@ fn normals_of_a_smooth_body_are_those_of_its_surface() {
         let p = 0.035 * Vec3::new(c, s, 0.0) + 0.0155 * out;
         worst = worst.min(field.nearest(p).normal.dot(out));
     }
-    assert!(worst > 0.995, "{}", trig::acos(worst));
+    // Away from the surface the distance may be off by a quarter of itself, and so its slope by a quarter.
+    assert!(trig::acos(worst) < 0.25, "{}", trig::acos(worst));
 }
 
 #[test]
