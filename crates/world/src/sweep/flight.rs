@@ -168,7 +168,7 @@ pub(super) fn stop_distance(scene: &Scene<'_>, row: u32) -> f32 {
 }
 
 /// What a body has gone and turned in the step.
-fn way(bodies: &Bodies, row: u32) -> (Vec3, Vec3) {
+pub(super) fn way(bodies: &Bodies, row: u32) -> (Vec3, Vec3) {
     match bodies.roles[row as usize] {
         Role::Still => (Vec3::ZERO, Vec3::ZERO),
         _ => (bodies.drifts[row as usize].translation(), bodies.drifts[row as usize].rotation()),
