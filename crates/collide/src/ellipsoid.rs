@@ -35,6 +35,8 @@ pub(crate) fn point(half: Vec3, p: Vec3) -> Closest {
 
 /// The nearest point of the surface to a point whose coordinates are not negative.
 fn nearest(a: DVec3, p: DVec3) -> DVec3 {
+    // What is smaller than this share of its axis drowns beside 1 where Newton's method starts.
+    let p = DVec3::select((p / a).cmpgt(DVec3::splat(1e-12)), p, DVec3::ZERO);
     let least = a.min_element();
     // In units of the shortest axis: r = (a / least)², y = p / a and s = t / least².
     let (r, y) = ((a / least) * (a / least), p / a);
@@ -90,6 +92,9 @@ mod tests {
         assert_eq!(point(Vec3::splat(2.0), Vec3::ZERO).distance, -2.0);
         let c = point(Vec3::splat(2.0), Vec3::new(3.0, 4.0, 0.0));
         assert_eq!((c.distance, c.normal), (3.0, Vec3::new(0.6, 0.8, 0.0)));
+        // Next to nothing is nothing.
+        let c = point(half, Vec3::new(f32::MIN_POSITIVE, 1.0, 0.0));
+        assert!(c.distance < -0.5 && c.on_a.is_finite(), "{c:?}");
     }
 
     #[test]

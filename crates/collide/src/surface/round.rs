@@ -105,6 +105,10 @@ fn crossing(p: Vec3, q: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     let (d1, d2, r) = (q - p, b - a, p - a);
     let (l1, l2) = (d1.length_squared(), d2.length_squared());
     let (c, f, m) = (d1.dot(r), d2.dot(r), d1.dot(d2));
+    // Far from the origin the ends of a short edge fall together.
+    if l2 <= 0.0 {
+        return (if l1 > 0.0 { (-c / l1).clamp(0.0, 1.0) } else { 0.0 }, 0.0);
+    }
     if l1 <= 0.0 {
         return (0.0, (f / l2).clamp(0.0, 1.0));
     }

@@ -1,0 +1,32 @@
+//! Files of any content.
+
+use rockfall_cache::{Checkpoint, RunReader};
+use rockfall_scene::mesh_file;
+use rockfall_shape::Mesh;
+use std::path::Path;
+
+/// Endings of the mesh files that can be read.
+pub const MESH_FILES: [&str; 5] = ["obj", "stl", "ply", "glb", "gltf"];
+
+/// A mesh file in `folder` with such an ending and the content `bytes`: there is an error, or triangles of which a mesh can be made or not.
+pub fn mesh_file(folder: &Path, ending: &str, bytes: &[u8]) {
+    let path = folder.join(format!("mesh.{ending}"));
+    std::fs::write(&path, bytes).expect("room for a file");
+    if let Ok(soup) = mesh_file::read(&path)
+        && let Ok(mesh) = Mesh::from_triangles(&soup.vertices, &soup.triangles)
+    {
+        mesh.check().expect("a mesh that was made passes its check");
+    }
+}
+
+/// Reads all of a run in `folder`: errors, or what is there.
+pub fn run_folder(folder: &Path) {
+    for checkpoint in Checkpoint::all(folder).into_iter().flatten() {
+        let _ = checkpoint.verify();
+    }
+    let Ok(reader) = RunReader::open(folder) else { return };
+    let _ = (reader.times(), reader.origin(), reader.bodies(), reader.parts());
+    for frame in 0..reader.frames().unwrap_or(0).min(4) {
+        let _ = reader.poses(frame);
+    }
+}
