@@ -80,7 +80,8 @@ impl Bytes<'_> {
         let quarters = Vec3::new(f32::from(self.byte() % 4), f32::from(self.byte() % 4), 0.0);
         let turn = |v: Vec3| rotation::from_rotation_vector(v * std::f32::consts::FRAC_PI_2);
         let aligned = rotation::compose(turn(Vec3::X * quarters.x), turn(Vec3::Z * quarters.y));
-        let size = if self.byte() % 2 == 0 { 3.0 } else { 10.0_f32.powi(-i32::from(self.byte() % 9)) };
+        let size =
+            if self.byte().is_multiple_of(2) { 3.0 } else { 10.0_f32.powi(-i32::from(self.byte() % 9)) };
         let more = Vec3::new(self.share(), self.share(), self.share()) * size;
         let q: Quat = rotation::compose(rotation::from_rotation_vector(more), aligned);
         Mat3::from_quat(rotation::normalize(q))

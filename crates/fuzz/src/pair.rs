@@ -31,7 +31,7 @@ fn shape(bytes: &mut Bytes) -> Shape {
         6 => Shape::Cone {
             half_length,
             lower: radius,
-            upper: if bytes.byte() % 2 == 0 { 0.0 } else { half.x },
+            upper: if bytes.byte().is_multiple_of(2) { 0.0 } else { half.x },
         },
         7 => Shape::Ellipsoid { half },
         8 => Shape::RoundedBox { half, radius },
