@@ -18,6 +18,11 @@ use rockfall_math::{Aabb, Isometry, Mat3, hash};
 use rockfall_shape::{Compound, Shape};
 use smallvec::SmallVec;
 
+/// Whether one of two shapes is a compound.
+pub(crate) fn takes_part(a: &Shape, b: &Shape) -> bool {
+    [a, b].iter().any(|shape| matches!(shape, Shape::Compound(_)))
+}
+
 /// How far around parts are looked for when none is within the margin, as a share of the smaller shape: what is found
 /// to be further apart need not be looked at again for so long.
 const ROOM: f32 = 0.25;

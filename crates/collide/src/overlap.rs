@@ -14,7 +14,7 @@ pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
     if !crate::is_finite(b_in_a) || matches!(a, Shape::HalfSpace { .. }) {
         return false;
     }
-    if is_compound(a) || is_compound(b) {
+    if compound::takes_part(a, b) {
         return compound::overlaps(a, b, b_in_a);
     }
     if !a.is_convex() {
@@ -48,7 +48,7 @@ pub fn overlaps(a: &Shape, b: &Shape, b_in_a: &Isometry) -> bool {
 /// assert_eq!((deep.distance, deep.normal), (-0.25, -Vec3::Z));
 /// ```
 pub fn penetration(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> {
-    if is_compound(a) || is_compound(b) {
+    if compound::takes_part(a, b) {
         return if crate::is_finite(b_in_a) { compound::penetration(a, b, b_in_a) } else { None };
     }
     if !overlaps(a, b, b_in_a) {
@@ -60,10 +60,6 @@ pub fn penetration(a: &Shape, b: &Shape, b_in_a: &Isometry) -> Option<Distance> 
         }
         _ => distance(a, b, b_in_a),
     }
-}
-
-fn is_compound(shape: &Shape) -> bool {
-    matches!(shape, Shape::Compound(_))
 }
 
 /// The touch of shapes that overlap from the start, seen from B.

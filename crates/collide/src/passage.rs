@@ -38,7 +38,7 @@ use rockfall_shape::Shape;
 /// assert_eq!(passage(&bullet, &plate, &shot(0.9946), 1e-5), None);
 /// ```
 pub fn passage(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
-    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+    if compound::takes_part(a, b) {
         return compound::first_impact(a, b, sweep, target_distance, passage);
     }
     if !b.is_convex() {

@@ -33,7 +33,7 @@ pub fn cast_shape(a: &Shape, b: &Shape, a_in_b: &Isometry, translation: Vec3) ->
     if !crate::is_finite(a_in_b) || !translation.is_finite() {
         return None;
     }
-    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+    if compound::takes_part(a, b) {
         return compound::cast_shape(a, b, a_in_b, translation);
     }
     if !a.is_convex() {

@@ -119,7 +119,7 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
     if !sweep.is_finite() || target_distance.is_nan() {
         return None;
     }
-    if matches!((a, b), (Shape::Compound(_), _) | (_, Shape::Compound(_))) {
+    if compound::takes_part(a, b) {
         return compound::first_impact(a, b, sweep, target_distance, time_of_impact);
     }
     let whole = Core::new(a, &sweep.a, 0.0)?;

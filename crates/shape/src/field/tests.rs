@@ -86,7 +86,6 @@ fn distances_are_within_the_stated_bound() {
 }
 
 #[test]
-#[ignore = "a million points each: a minute"]
 fn a_million_distances_are_within_the_stated_bound() {
     for (name, mesh, error) in bodies() {
         let field = field(mesh, error);
