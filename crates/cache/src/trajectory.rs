@@ -24,6 +24,8 @@ use crate::moving::{Coder, Moving};
 use crate::precision::Numbers;
 use crate::store::WholeFiles;
 use crate::{BodyTable, Error, Frame, Precision, RunReader};
+use rayon::ThreadPool;
+use rayon::prelude::*;
 use rockfall_math::DVec3;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -42,6 +44,9 @@ const CHUNK_BODIES: usize = 65_536;
 
 /// Frames in a chunk of `time` and `hash`; a multiple of any number of frames in a chunk of poses.
 const CHUNK_TIMES: usize = 1024;
+
+/// Numbers that a thread stores at once; fewer are not worth waking it.
+const PART: usize = 1 << 16;
 
 /// A longer scene is left out of the attributes, which every reader has to go through; it is in `scene.toml` in any case.
 const SCENE_BYTES: usize = 1 << 20;
@@ -92,7 +97,10 @@ pub struct TrajectoryWriter {
     tracks: Vec<Track>,
     /// Frames in a chunk.
     span: usize,
-    coder: Coder,
+    /// Those who encode, where it is not the thread that writes.
+    threads: Option<Arc<ThreadPool>>,
+    /// One for each thread.
+    coders: Vec<Coder>,
     time: Array<WholeFiles>,
     hash: Array<WholeFiles>,
     /// The chunks that are not full yet.
@@ -226,7 +234,8 @@ impl TrajectoryWriter {
         Ok(TrajectoryWriter {
             span: arrays.first().map_or(1, |array| array.span),
             tracks: arrays.into_iter().map(track).collect(),
-            coder: Coder::new().map_err(|error| store.explain(error))?,
+            threads: None,
+            coders: vec![Coder::new().map_err(|error| store.explain(error))?],
             store,
             time,
             hash,
@@ -236,6 +245,17 @@ impl TrajectoryWriter {
             stored: 0,
             too_far: 0,
         })
+    }
+
+    /// From now on these threads encode, and the calling one only writes. The bytes are the same.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`] where there is no memory for them.
+    pub fn encode_on(&mut self, threads: Arc<ThreadPool>) -> Result<(), Error> {
+        let coders = (0..threads.current_num_threads()).map(|_| Coder::new());
+        self.coders = coders.collect::<Result<_, _>>().map_err(|error| self.store.explain(error))?;
+        self.threads = Some(threads);
+        Ok(())
     }
 
     /// Frames in the store.
@@ -269,7 +289,14 @@ impl TrajectoryWriter {
             }
             let size = track.array.bodies * track.array.width;
             // Where there is nothing to be had all are absent, as they are already.
-            too_large |= track.array.numbers.store(source, &mut track.values[slot * size..][..size]);
+            let (numbers, values) = (track.array.numbers, &mut track.values[slot * size..][..size]);
+            too_large |= match &self.threads {
+                Some(threads) if size > PART => threads.install(|| {
+                    let parts = values.par_chunks_mut(PART).zip(source.par_chunks(PART));
+                    parts.map(|(to, from)| numbers.store(from, to)).reduce(|| false, |a, b| a | b)
+                }),
+                _ => numbers.store(source, values),
+            };
         }
         if too_large {
             self.take_out_too_far(slot, &frame.poses.positions);
@@ -323,11 +350,24 @@ impl TrajectoryWriter {
         }
         let (store, frames) = (&self.store, self.frames);
         let row = (frames - 1) / self.span as u64;
-        for Track { array, values, .. } in &self.tracks {
-            for column in 0..array.columns() {
-                let key = array.key(row, column);
-                let bytes = array.encode(values, column, &mut self.coder);
-                store.put(&key, &bytes.map_err(|error| store.explain(error))?)?;
+        let chunks: Vec<(&Track, usize)> = self
+            .tracks
+            .iter()
+            .flat_map(|track| (0..track.array.columns()).map(move |column| (track, column)))
+            .collect();
+        // As many at a time as there are threads: no more than that waits in memory for the disk.
+        for chunks in chunks.chunks(self.coders.len()) {
+            let encode = |(coder, &(Track { array, values, .. }, column)): (&mut Coder, &(&Track, usize))| {
+                array.encode(values, column, coder)
+            };
+            let coders = &mut self.coders;
+            let encoded: Vec<_> = match &self.threads {
+                Some(threads) => threads.install(|| coders.par_iter_mut().zip(chunks).map(encode).collect()),
+                None => coders.iter_mut().zip(chunks).map(encode).collect(),
+            };
+            for ((track, column), bytes) in chunks.iter().zip(encoded) {
+                let bytes = bytes.map_err(|error| store.explain(error))?;
+                store.put(&track.array.key(row, *column), &bytes)?;
             }
         }
         let index = [(frames - 1) / CHUNK_TIMES as u64];

@@ -1,7 +1,7 @@
 //! Writing a run while the simulation goes on.
 //!
 //! The simulation hands frames over through a queue of a few places and goes on; a thread of its own compresses
-//! and writes them. When the disk is slower than the simulation the queue fills and [`RunWriter::push`] waits: memory
+//! and writes them, or leaves compressing to the simulation's threads ([`RunWriter::encode_on`]). When the disk is slower than the simulation the queue fills and [`RunWriter::push`] waits: memory
 //! stays bounded and no frame is dropped. The buffers travel back, so that a run allocates them once. A program that
 //! is killed loses what is in the queue, and the frames that have not filled their chunk: some, of few bodies those of a quarter of a second.
 
@@ -11,9 +11,11 @@ use crate::{
     BodyTable, Contents, Error, FRAMES, Frame, Poses, RunFolder, RunReader, SCENE, SUMMARY, Summary,
     TRAJECTORY, Velocities, csv,
 };
+use rayon::ThreadPool;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -126,6 +128,7 @@ impl RunWriter {
                             // Nobody waits for it when the simulation has ended.
                             let _ = done.send(());
                         }
+                        Ok(Message::Threads(threads)) => parts.trajectory.encode_on(threads)?,
                         Ok(Message::Frame(frame)) => {
                             parts.write(&frame)?;
                             // Nobody wants the buffer any more when the simulation has ended.
@@ -152,6 +155,16 @@ impl RunWriter {
             thread: Some(thread),
             waited: Duration::ZERO,
         })
+    }
+
+    /// From now on these threads compress, those of the simulation best ([`rockfall::World::threads`]): a thread of its own takes processors
+    /// from one of them at a time, and the others wait for that one. Where they have nothing to do in a step they take what is to be
+    /// compressed, all of them together.
+    ///
+    /// # Errors
+    /// As [`RunWriter::push`].
+    pub fn encode_on(&mut self, threads: Arc<ThreadPool>) -> Result<(), Error> {
+        self.send(Message::Threads(threads))
     }
 
     /// A buffer for the poses of the next frame: a former one where it has come back.
@@ -249,6 +262,8 @@ impl Drop for RunWriter {
 /// What the thread is told.
 #[derive(Debug)]
 enum Message {
+    /// To be used from now on.
+    Threads(Arc<ThreadPool>),
     /// To be written.
     Frame(Box<Frame>),
     /// All frames before are to be handed to the disk; then it says so.

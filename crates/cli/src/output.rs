@@ -84,7 +84,8 @@ impl Output {
             scene: text.clone(),
             rockfall: summary.rockfall.clone(),
         };
-        let writer = RunWriter::create(folder, &text, summary, &table, contents)?;
+        let mut writer = RunWriter::create(folder, &text, summary, &table, contents)?;
+        writer.encode_on(running.world.threads())?;
         let (every, last) = (args.checkpoint_every, (Instant::now(), 0));
         let velocities = wanted.velocities;
         let mut output = Output { writer, table, origin, velocities, scene: hash, every, last };
@@ -103,7 +104,8 @@ impl Output {
     ) -> Result<Self, Failure> {
         let table = table(running);
         let origin = RunReader::open(folder.path())?.origin()?;
-        let writer = RunWriter::resume(folder, summary, &table, frame, running.world.hash())?;
+        let mut writer = RunWriter::resume(folder, summary, &table, frame, running.world.hash())?;
+        writer.encode_on(running.world.threads())?;
         Ok(Output {
             writer,
             table,

@@ -9,8 +9,14 @@ use crate::{BodyId, Error, Kind, Shape, StepReport};
 use rayon::prelude::*;
 use rockfall_math::{DVec3, Pose, Quat, Vec3};
 use rockfall_solve::row_of;
+use std::sync::Arc;
 
 impl World {
+    /// The threads that the world steps with. What else is given to them is done where a step leaves them without work.
+    pub fn threads(&self) -> Arc<rayon::ThreadPool> {
+        Arc::clone(&self.pool)
+    }
+
     /// What the last step had to say.
     pub fn report(&self) -> &StepReport {
         &self.report
