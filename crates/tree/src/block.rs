@@ -37,6 +37,13 @@ impl Block {
         }
     }
 
+    /// The box in a lane.
+    #[inline]
+    pub(crate) fn area(&self, lane: usize) -> Aabb {
+        let corner = |sides: &[[f32; WIDTH]; 3]| Vec3::from_array(sides.map(|axis| axis[lane]));
+        Aabb { min: corner(&self.min), max: corner(&self.max) }
+    }
+
     /// The smallest box around all lanes. `f32::min` and `max` pass over NaN.
     #[inline]
     pub(crate) fn bounds(&self) -> Aabb {

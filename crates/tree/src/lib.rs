@@ -19,6 +19,7 @@
 mod block;
 mod build;
 mod cast;
+mod fold;
 pub mod hilbert;
 pub mod morton;
 mod order;
@@ -26,6 +27,7 @@ mod query;
 mod radix;
 mod refit;
 
+pub use fold::Fold;
 pub use hilbert::hilbert;
 pub use morton::morton;
 

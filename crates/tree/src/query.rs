@@ -17,7 +17,7 @@ impl Tree {
     #[inline]
     pub fn query(&self, area: &Aabb, f: impl FnMut(u32)) {
         if let Some(root) = self.levels.checked_sub(1) {
-            self.query_below(root, 0, area, f);
+            self.query_below(root, 0, area, all, f);
         }
     }
 
@@ -52,14 +52,22 @@ impl Tree {
         count
     }
 
-    /// Calls `f` with the items below one block whose boxes share a point with `area`.
+    /// Calls `f` with the items below one block whose boxes share a point with `area`. Of the lanes of a block (its level, its index) that
+    /// do, `keep` returns those to go on with.
     #[inline]
-    fn query_below(&self, top: usize, index: usize, area: &Aabb, mut f: impl FnMut(u32)) {
+    pub(crate) fn query_below(
+        &self,
+        top: usize,
+        index: usize,
+        area: &Aabb,
+        keep: impl Fn(usize, usize, u32) -> u32,
+        mut f: impl FnMut(u32),
+    ) {
         // Lanes still to visit in the block on each level of the path from the top; the path itself is the index.
         let mut open = [0_u32; MAX_LEVELS];
         let mut level = top;
         let mut index = index;
-        open[top] = self.block(top, index).overlaps(area);
+        open[top] = keep(top, index, self.block(top, index).overlaps(area));
         loop {
             if level == 0 {
                 let mut hits = open[0];
@@ -80,9 +88,14 @@ impl Tree {
             open[level] &= open[level] - 1;
             level -= 1;
             index = index * WIDTH + lane;
-            open[level] = self.block(level, index).overlaps(area);
+            open[level] = keep(level, index, self.block(level, index).overlaps(area));
         }
     }
+}
+
+/// Keeps all lanes of a block.
+fn all(_level: usize, _index: usize, hits: u32) -> u32 {
+    hits
 }
 
 /// What is left of a query: the blocks `first..last` of a level.
@@ -131,7 +144,7 @@ impl UnindexedProducer for Part<'_> {
             if folder.full() {
                 break;
             }
-            self.tree.query_below(self.level, index, &self.area, |item| found.push(item));
+            self.tree.query_below(self.level, index, &self.area, all, |item| found.push(item));
             folder = folder.consume_iter(found.drain(..));
         }
         folder

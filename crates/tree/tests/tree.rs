@@ -186,6 +186,32 @@ fn ten_thousand_boxes_at_one_point_are_all_found() {
     assert!(tree.order().iter().enumerate().all(|(place, &item)| place == item as usize));
 }
 
+/// Promise: blocks are passed over only where none of their items is wanted, and the root knows about all items.
+#[test]
+fn a_query_with_a_condition_finds_what_brute_force_finds() {
+    for count in [0, 1, 8, 9, 65, 3000] {
+        let boxes = boxes(count, 10.0, 0.05, 10.0, 3);
+        let tree = Tree::build(&boxes);
+        let value = |item: u32| hash::mix(u64::from(item)) as u32 >> 8;
+        let largest = tree.fold(0, value, u32::max);
+        assert_eq!(largest.all, (0..count as u32).map(value).max().unwrap_or(0));
+        for area in [Aabb::new(Vec3::ZERO, Vec3::splat(6.0)), Aabb::new(Vec3::splat(4.0), Vec3::splat(5.0))] {
+            let (asked, wanted) = (std::cell::Cell::new(0), 0x00ff_0000);
+            let mut items = Vec::new();
+            let keep = |largest: &u32, _: &Aabb| {
+                asked.set(asked.get() + 1);
+                *largest >= wanted
+            };
+            tree.query_where(&area, &largest, keep, |item| items.push(item));
+            items.sort_unstable();
+            let all = expected(&boxes, &area);
+            let some: Vec<u32> = all.iter().copied().filter(|&item| value(item) >= wanted).collect();
+            assert_eq!(items, some);
+            assert!(count < 3000 || asked.get() < all.len().max(100), "{} questions", asked.get());
+        }
+    }
+}
+
 #[test]
 fn nothing_is_found_in_nothing() {
     let everywhere = Aabb::new(Vec3::NEG_INFINITY, Vec3::INFINITY);

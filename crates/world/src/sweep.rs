@@ -13,6 +13,7 @@
 
 mod flight;
 mod meet;
+mod ways;
 
 use crate::bodies::Bodies;
 use crate::index::Index;
@@ -66,43 +67,35 @@ fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
     }
     movers.sort_unstable();
     movers.dedup();
-    let strays: Vec<u32> = rows().filter(|&row| has_left(bodies, shapes, row as usize)).collect();
-    let driven = strays.iter().copied().filter(|&row| role(row) == Role::Driven).collect();
-    let way = |row: u32| way_box(bodies, row as usize);
-    let driven = Strays::new(driven, way);
-    let scene = Scene { bodies, shapes, trees, strays: &driven };
+    let driven = rows().filter(|&row| bodies.kinds[row as usize] == Kind::Kinematic);
+    let (driven, ways): (_, Vec<_>) = driven.map(|row| (row, way_box(bodies, row as usize))).unzip();
+    let driven = Crowd::new(driven, &ways);
+    let scene = Scene { bodies, shapes, trees, driven: &driven };
     let flights: Vec<Flight> =
         movers.into_par_iter().map(|row| fly(&scene, Flight::straight(&scene, row))).collect();
-    let flown = |row: u32| match flights.binary_search_by_key(&row, |flight| flight.row) {
-        Ok(i) => flights[i].area(bodies, 0.0),
-        Err(_) => way(row),
-    };
-    let strays = Strays::new(strays, flown);
-    meet(&Scene { strays: &strays, ..scene }, flights)
+    meet(&scene, flights)
 }
 
-/// What flights are flown in: bodies, and where to look for them. Boxes date from the start of the step; who has left its box in it is
-/// a stray.
+/// What flights are flown in: bodies, and where to look for them. The trees' boxes date from the start of the step.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
     bodies: &'a Bodies,
     shapes: &'a [Shape],
     trees: &'a Index,
-    strays: &'a Strays,
+    /// Kinematic bodies, on their way through the step.
+    driven: &'a Crowd,
 }
 
-/// Bodies that have left the boxes that the trees have of them.
-struct Strays {
-    /// Ascending.
+/// Some bodies, and where they come in the step.
+struct Crowd {
     rows: Vec<u32>,
     /// Over places in `rows`.
     tree: Tree,
 }
 
-impl Strays {
-    fn new(rows: Vec<u32>, way: impl Fn(u32) -> Aabb + Sync) -> Self {
-        let boxes: Vec<Aabb> = rows.par_iter().map(|&row| way(row)).collect();
-        Strays { tree: Tree::build(&boxes), rows }
+impl Crowd {
+    fn new(rows: Vec<u32>, ways: &[Aabb]) -> Self {
+        Crowd { tree: Tree::build(ways), rows }
     }
 
     /// Those whose way meets an area.
@@ -121,21 +114,13 @@ impl<'a> Scene<'a> {
         collide(self.bodies, a, b)
     }
 
-    /// Rows of bodies that `area` may meet in this step, ascending; of those that contacts can't move, or of the others.
-    fn near(&self, row: u32, area: &Aabb, fixed: bool) -> Vec<u32> {
+    /// Rows of bodies that contacts can't move and that `area` may meet in this step, ascending.
+    fn near_fixed(&self, row: u32, area: &Aabb) -> Vec<u32> {
         let mut near = Vec::new();
-        let mut meets = |other: u32| {
-            if self.collide(row, other) && (self.bodies.kinds[other as usize] != Kind::Dynamic) == fixed {
-                near.push(other);
-            }
-        };
-        self.trees.movers.query(area, &mut meets);
-        self.strays.query(area, &mut meets);
-        if fixed {
-            self.trees.fixed.query(area, &mut meets);
-        }
+        let mut meets = |other: u32| near.extend(Some(other).filter(|&other| self.collide(row, other)));
+        self.trees.fixed.query(area, &mut meets);
+        self.driven.query(area, &mut meets);
         near.sort_unstable();
-        near.dedup();
         near
     }
 }
@@ -178,18 +163,6 @@ fn is_fast(bodies: &Bodies, shapes: &[Shape], row: usize) -> bool {
         turn.x * half.y + turn.y * half.x,
     ];
     way + Vec3::new(x, y, z).length() > limit
-}
-
-/// Whether a body that moves is not in its box any more.
-fn has_left(bodies: &Bodies, shapes: &[Shape], row: usize) -> bool {
-    if bodies.roles[row] == Role::Still {
-        return false;
-    }
-    let radius = if bodies.balls[row] { 0.0 } else { bodies.radii[row] };
-    let Some(shape) = shapes.get(bodies.shapes[row] as usize) else { return false };
-    crate::recall::way(&bodies.drifts[row], radius) >= bodies.spares[row]
-        && (is_fast(bodies, shapes, row)
-            || !bodies.boxes[row].contains(&shape.placed_bounds(&bodies.shape_pose(row))))
 }
 
 /// A box around all of a body on its way through the step.

@@ -130,7 +130,7 @@ fn first_impact(scene: &Scene<'_>, flight: &Flight, from: f32) -> Option<(f32, V
     let left = flight.onwards(from);
     let target = stop_distance(scene, flight.row);
     let area = flight.area(scene.bodies, from);
-    let hits = scene.near(flight.row, &area, true).into_iter().filter_map(|other| {
+    let hits = scene.near_fixed(flight.row, &area).into_iter().filter_map(|other| {
         let motion = motion(scene.bodies, other, flight.origin);
         let sweep = Sweep { a: left, b: motion.after(from) };
         Some((stop(shape, scene.shape(other)?, &sweep, target)?, motion.translation, other))

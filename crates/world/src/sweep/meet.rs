@@ -7,11 +7,14 @@
 //!
 //! The meetings are few, and are settled one after the other; they are found beside each other.
 
-use super::Scene;
-use super::flight::{Flight, SLIDES, fly, stop, stop_distance, way};
+use super::flight::{Flight, SLIDES, fly, stop, stop_distance};
+use super::ways::Ways;
+use super::{Crowd, Scene};
+use crate::Kind;
 use rayon::prelude::*;
 use rockfall_collide::{Motion, Sweep};
 use rockfall_math::{Aabb, Vec3};
+use rockfall_tree::Fold;
 use std::collections::BTreeMap;
 
 /// How often in a step a body yields, to whatever; then it stays where it is, and others yield.
@@ -32,7 +35,11 @@ struct Meeting {
 
 /// Settles all meetings. `flights` are those of the fast bodies, by rows; returns those that go another way than the solver gave them.
 pub(super) fn meet(scene: &Scene<'_>, flights: Vec<Flight>) -> Vec<Flight> {
-    let mut sky = Sky { scene, flights, strayed: Vec::new() };
+    let strays = flights.iter().filter(|flight| flight.stops > 0);
+    let (rows, areas): (Vec<_>, Vec<_>) =
+        strays.map(|flight| (flight.row, flight.area(scene.bodies, 0.0))).unzip();
+    let strays = Crowd::new(rows, &areas);
+    let mut sky = Sky { scene, flights, ways: Ways::of_all(scene), strays, strayed: Vec::new() };
     let first: Vec<Meeting> =
         sky.flights.par_iter().filter_map(|flight| sky.first_meeting(flight, 0.0)).collect();
     let mut queue: BTreeMap<_, _> = first.into_iter().map(|meeting| (sky.turn(&meeting), meeting)).collect();
@@ -57,7 +64,11 @@ struct Sky<'a> {
     scene: &'a Scene<'a>,
     /// By rows.
     flights: Vec<Flight>,
-    /// Rows of those that go where the tree of the strays does not have them, and around what.
+    /// How the solver has moved all bodies.
+    ways: Fold<Ways>,
+    /// Those that were stopped before any meeting, and go elsewhere.
+    strays: Crowd,
+    /// Rows of those that were stopped since, and where they go.
     strayed: Vec<(u32, Aabb)>,
 }
 
@@ -83,13 +94,7 @@ impl Sky<'_> {
         if flight.stops > STOPS {
             return None;
         }
-        let area = flight.area(bodies, from);
-        let mut near = self.scene.near(flight.row, &area, false);
-        let strayed = self.strayed.iter().filter(|(_, theirs)| theirs.overlaps(&area)).map(|(row, _)| *row);
-        near.extend(strayed.filter(|&row| self.scene.collide(flight.row, row)));
-        near.sort_unstable();
-        near.dedup();
-        near.retain(|&other| !self.is_calm(flight, other));
+        let near = self.near(flight, &flight.area(bodies, from));
         let meetings = near.into_iter().filter_map(|other| {
             let (time, normal) = match self.fast(other) {
                 Some(i) => self.passage(flight, &self.flights[i], from)?,
@@ -101,19 +106,25 @@ impl Sky<'_> {
         meetings.min_by(|a, b| a.time.total_cmp(&b.time).then_with(|| id(a).cmp(&id(b))))
     }
 
-    /// Whether two bodies go so much the same way that none can get through the other in this step: a point of one goes by less than the smaller inner radius,
-    /// seen from the other. Contacts push that out again. It is what most pairs of a stream are, and asked before anything that takes time.
-    fn is_calm(&self, flight: &Flight, other: u32) -> bool {
-        if flight.stops + self.stops(other) > 0 {
-            return false;
-        }
-        let bodies = self.scene.bodies;
-        let rows = [flight.row, other];
-        let [(a, turn_a), (b, turn_b)] = rows.map(|row| way(bodies, row));
-        let [arm_a, arm_b] =
-            rows.map(|row| if bodies.balls[row as usize] { 0.0 } else { bodies.radii[row as usize] });
-        let [inner_a, inner_b] = rows.map(|row| bodies.inners[row as usize]);
-        (a - b).length() + turn_a.length() * arm_a + turn_b.length() * arm_b < inner_a.min(inner_b)
+    /// Rows of bodies that contacts move and that a flight may pass through within `area`, ascending. Most of a stream go the same way; they are
+    /// passed over before anything that takes time.
+    fn near(&self, flight: &Flight, area: &Aabb) -> Vec<u32> {
+        let own = Some(Ways::of(self.scene, flight.row)).filter(|_| flight.stops == 0);
+        let mut near = Vec::new();
+        let mut meets = |other: u32| {
+            let moves = self.scene.bodies.kinds[other as usize] == Kind::Dynamic;
+            near.extend(Some(other).filter(|&other| moves && self.scene.collide(flight.row, other)));
+        };
+        let reaches = |ways: &Ways, from: &Aabb| {
+            own.is_none_or(|own| !own.is_calm(ways)) && ways.from_where(area).overlaps(from)
+        };
+        let movers = &self.scene.trees.movers;
+        movers.query_where(&self.ways.all.from_where(area), &self.ways, reaches, &mut meets);
+        self.strays.query(area, &mut meets);
+        self.strayed.iter().filter(|(_, theirs)| theirs.overlaps(area)).for_each(|(row, _)| meets(*row));
+        near.sort_unstable();
+        near.dedup();
+        near
     }
 
     /// When and along which normal one flight would pass through another, leg by leg.
