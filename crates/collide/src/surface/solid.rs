@@ -39,6 +39,12 @@ enum Way {
     Across(usize, usize, Vec3),
 }
 
+/// A number for each corner or face of A; for as many as most hulls have, without memory of their own.
+type Numbers<T> = SmallVec<[T; 32]>;
+
+/// How high each corner of A is over a triangle, metres.
+type Heights = Numbers<f32>;
+
 /// Contacts of a polyhedron with triangle `i`. Whether the two may be within the margin, with contacts or without.
 pub(super) fn touch<S: Surface>(
     placed: &Placed<S>,
@@ -52,7 +58,8 @@ pub(super) fn touch<S: Surface>(
     if !facet.close {
         return false;
     }
-    let lowest = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(facet.height(v)));
+    let heights: Heights = a.vertices.iter().map(|&v| facet.height(v)).collect();
+    let lowest = heights.iter().fold(f32::INFINITY, |low, &height| low.min(height));
     let Some(way) = shortest(placed, facet, a, lowest, probe) else {
         return false;
     };
@@ -65,7 +72,7 @@ pub(super) fn touch<S: Surface>(
         Way::Across(edge, of_a, out) => across(facet, a, edge, of_a, out, probe, put),
     }
     if touches.len() == before {
-        on_face(facet, i, a, probe, touches);
+        on_face(facet, i, a, &heights, probe, touches);
     }
     true
 }
@@ -142,9 +149,12 @@ fn shortest<S: Surface>(
             consider(low, Way::Beyond(edge));
         }
         let along = facet.corners[(edge + 1) % 3] - corner;
+        // Which side of the arc between both triangles' normals each face of A is on: few edges have one on either.
+        let arc = Arc::new(facet.normal, limit);
+        let sides: Numbers<f32> = a.normals.iter().map(|&n| arc.side(-n)).collect();
         for (e, of_a) in a.edges.iter().enumerate() {
-            let [c, d] = of_a.faces.map(|f| -a.normals[f as usize]);
-            if !cross(facet.normal, limit, c, d) {
+            let [c, d] = of_a.faces.map(|f| f as usize);
+            if sides[c] * sides[d] >= 0.0 || !arc.crosses(-a.normals[c], -a.normals[d], sides[c]) {
                 continue;
             }
             let [p, q] = ends(a, of_a);
@@ -180,12 +190,31 @@ fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, heights: &[f32; 3], out
     }
 }
 
-/// Whether the arcs from `a` to `b` and from `c` to `d` on the unit sphere cross: two edges make a face of the
-/// Minkowski difference exactly then (Gregorius, "The separating axis test between convex polyhedra", GDC 2013).
-fn cross(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> bool {
-    let (ba, dc) = (b.cross(a), d.cross(c));
-    let (cba, dba, adc, bdc) = (c.dot(ba), d.dot(ba), a.dot(dc), b.dot(dc));
-    cba * dba < 0.0 && adc * bdc < 0.0 && cba * bdc > 0.0
+/// An arc on the unit sphere, from `a` to `b`.
+struct Arc {
+    a: Vec3,
+    b: Vec3,
+    /// Square to both.
+    axis: Vec3,
+}
+
+impl Arc {
+    fn new(a: Vec3, b: Vec3) -> Self {
+        Arc { a, b, axis: b.cross(a) }
+    }
+
+    /// Which side of the arc's plane a direction is on.
+    fn side(&self, direction: Vec3) -> f32 {
+        direction.dot(self.axis)
+    }
+
+    /// Whether the arc from `c`, on that side, to `d`, on the other, crosses this one: two edges make a face of the
+    /// Minkowski difference exactly then (Gregorius, "The separating axis test between convex polyhedra", GDC 2013).
+    fn crosses(&self, c: Vec3, d: Vec3, side_of_c: f32) -> bool {
+        let axis = d.cross(c);
+        let (of_a, of_b) = (self.a.dot(axis), self.b.dot(axis));
+        of_a * of_b < 0.0 && side_of_c * of_b > 0.0
+    }
 }
 
 fn ends(a: &Poly, edge: &HullEdge) -> [Vec3; 2] {
@@ -193,24 +222,25 @@ fn ends(a: &Poly, edge: &HullEdge) -> [Vec3; 2] {
 }
 
 /// A under the triangle's normal: the parts of its edges in the prism, and the triangle's corners under its face.
-fn on_face(facet: &Facet, i: usize, a: &Poly, probe: &Probe, touches: &mut Vec<Touch>) {
+fn on_face(facet: &Facet, i: usize, a: &Poly, heights: &Heights, probe: &Probe, touches: &mut Vec<Touch>) {
+    // How far outside of each side of the prism each corner is.
+    let outside = |(&v, &height): (&Vec3, &f32)| {
+        [0, 1, 2].map(|side| facet.outside(side, v) - facet.allowance(side, height))
+    };
+    let outsides: Numbers<[f32; 3]> = a.vertices.iter().zip(heights).map(outside).collect();
     for (k, &v) in a.vertices.iter().enumerate() {
-        let height = facet.height(v);
-        if height <= probe.margin && facet.holds(v, height) {
+        if heights[k] <= probe.margin && facet.holds(v, heights[k]) {
             touches.push(facet.face_touch(i, v, 0.0, k));
         }
     }
     for (e, edge) in a.edges.iter().enumerate() {
-        let [p, q] = ends(a, edge);
-        let heights = [facet.height(p), facet.height(q)];
+        let [from, to] = edge.vertices.map(|v| v as usize);
+        let heights = [heights[from], heights[to]];
         if heights[0].min(heights[1]) > probe.margin {
             continue;
         }
-        let sides = (0..3).map(|side| {
-            let [from, to] = [(p, heights[0]), (q, heights[1])]
-                .map(|(v, height)| facet.outside(side, v) - facet.allowance(side, height));
-            (from, to)
-        });
+        let [p, q] = ends(a, edge);
+        let sides = outsides[from].into_iter().zip(outsides[to]);
         let Some(ends) = clip(sides) else { continue };
         // Over a flat border the neighbour has the rest of an edge, and its end. Of an upright edge on the border rounding would
         // decide at which height it crosses.
