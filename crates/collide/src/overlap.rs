@@ -3,7 +3,7 @@
 use crate::surface::Surface;
 use crate::time_of_impact::{Core, Course, Other, Set};
 use crate::{Cache, Distance, Manifold, Motion, Sweep, Toi, collide, compound, distance};
-use rockfall_math::{Aabb, Isometry, Vec3};
+use rockfall_math::{Aabb, Isometry};
 use rockfall_shape::Shape;
 
 /// Whether the bounded convex shape `a`, or a compound of such, and `b`, which may be of any kind, share a point. `b_in_a` places B in A's frame. A mesh is its triangles, from
@@ -148,10 +148,10 @@ fn behind(a: &Shape, b: &Shape, a_in_b: &Isometry) -> Option<Distance> {
         Shape::HeightField(field) => (field.corners(triangle), field.normal(triangle)),
         _ => return None,
     };
-    let height = |p: Vec3| front.dot(a_in_b.point(p) - corners[0]);
-    let normal = -a_in_b.inverse_vector(front);
-    let (lowest, least) = core.set.lowest(normal, height)?;
-    let distance = (least - core.radius).min(0.0);
+    let up = a_in_b.inverse_vector(front);
+    let (lowest, normal) = (core.set.lowest(up)?, -up);
+    let height = front.dot(a_in_b.point(lowest) - corners[0]);
+    let distance = (height - core.radius).min(0.0);
     let on_a = lowest + core.radius * normal;
     Some(Distance { distance, normal, on_a, on_b: on_a + distance * normal })
 }

@@ -178,12 +178,27 @@ impl Set {
         }
     }
 
-    /// The least height of a point.
-    pub(crate) fn lowest(&self, towards: Vec3, height: impl Fn(Vec3) -> f32) -> Option<(Vec3, f32)> {
-        let with = |p: Vec3| (p, height(p));
+    /// The lowest point, seen along a direction.
+    pub(crate) fn lowest(&self, up: Vec3) -> Option<Vec3> {
         match self {
-            Set::Points(points) => points.iter().map(|&p| with(p)).min_by(|(_, p), (_, q)| p.total_cmp(q)),
-            _ => Some(with(gjk::Core::support(self, towards.as_dvec3()).as_vec3())),
+            Set::Points(points) => points.iter().copied().min_by(|p, q| up.dot(*p).total_cmp(&up.dot(*q))),
+            _ => Some(gjk::Core::support(self, -up.as_dvec3()).as_vec3()),
+        }
+    }
+
+    /// From where to where the set reaches along a direction, from the origin.
+    fn extent(&self, along: Vec3) -> (f32, f32) {
+        match self {
+            Set::Points(points) => {
+                points.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| {
+                    let at = along.dot(*p);
+                    (low.min(at), high.max(at))
+                })
+            }
+            _ => {
+                let end = |way: Vec3| gjk::Core::support(self, way.as_dvec3()).as_vec3();
+                (along.dot(end(-along)), along.dot(end(along)))
+            }
         }
     }
 
@@ -410,9 +425,9 @@ impl Course<'_> {
             Other::HalfSpace { normal, offset } => {
                 let normal = b.vector(*normal);
                 let height = |p: Vec3| normal.dot(p - b.translation) - offset;
-                let (lowest, least) = core.set.lowest(-a.inverse_vector(normal), |p| height(a.point(p)))?;
-                let distance = least - core.radius;
-                let point = a.point(lowest) - core.radius * normal;
+                let lowest = a.point(core.set.lowest(a.inverse_vector(normal))?);
+                let distance = height(lowest) - core.radius;
+                let point = lowest - core.radius * normal;
                 (distance > 0.0).then_some(Gap { distance, normal: -normal, point })
             }
             Other::Convex { set, radius, .. } => {
@@ -509,11 +524,9 @@ impl Course<'_> {
     ) -> bool {
         let Sweep { a, b } = self.sweep;
         let [(low, high), (low_after, _)] = places.map(|place| {
-            let towards = place.inverse_vector(front);
-            let height = |p: Vec3| front.dot(place.point(p) - corners[0]);
-            let low = whole.set.lowest(-towards, height).map_or(f32::INFINITY, |(_, h)| h);
-            let high = whole.set.lowest(towards, |p| -height(p)).map_or(f32::NEG_INFINITY, |(_, h)| -h);
-            (low, high)
+            let height = front.dot(place.translation - corners[0]);
+            let (low, high) = whole.set.extent(place.inverse_vector(front));
+            (height + low, height + high)
         });
         // Between two times a turning point dips below its chord by no more than the sagitta of its arc, seen in the plane
         // of the arc and of the normal.
