@@ -337,6 +337,10 @@ fn sunk<S: Surface>(
         return;
     }
     for (k, &p) in points.iter().enumerate() {
+        // Asked first: to find the triangle takes longer.
+        if !facets.iter().any(|facet| facet.height(p) < -probe.margin) {
+            continue;
+        }
         let Some(triangle) = placed.surface.cover(placed.back(p)) else {
             continue;
         };

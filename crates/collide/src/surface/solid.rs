@@ -223,28 +223,29 @@ fn ends(a: &Poly, edge: &HullEdge) -> [Vec3; 2] {
 
 /// A under the triangle's normal: the parts of its edges in the prism, and the triangle's corners under its face.
 fn on_face(facet: &Facet, i: usize, a: &Poly, heights: &Heights, probe: &Probe, touches: &mut Vec<Touch>) {
-    // How far outside of each side of the prism each corner is.
-    let outside = |(&v, &height): (&Vec3, &f32)| {
-        [0, 1, 2].map(|side| facet.outside(side, v) - facet.allowance(side, height))
+    // How far outside of each side of the prism each corner is, of those that somebody asks for.
+    let mut outsides: Numbers<Option<[f32; 3]>> = SmallVec::from_elem(None, heights.len());
+    let mut outside = |k: usize| {
+        *outsides[k].get_or_insert_with(|| {
+            [0, 1, 2].map(|side| facet.outside(side, a.vertices[k]) - facet.allowance(side, heights[k]))
+        })
     };
-    let outsides: Numbers<[f32; 3]> = a.vertices.iter().zip(heights).map(outside).collect();
     for (k, &v) in a.vertices.iter().enumerate() {
-        if heights[k] <= probe.margin && facet.holds(v, heights[k]) {
+        if heights[k] <= probe.margin && outside(k).iter().all(|&by| by <= 0.0) {
             touches.push(facet.face_touch(i, v, 0.0, k));
         }
     }
     for (e, edge) in a.edges.iter().enumerate() {
         let [from, to] = edge.vertices.map(|v| v as usize);
-        let heights = [heights[from], heights[to]];
-        if heights[0].min(heights[1]) > probe.margin {
+        if heights[from].min(heights[to]) > probe.margin {
             continue;
         }
-        let [p, q] = ends(a, edge);
-        let sides = outsides[from].into_iter().zip(outsides[to]);
+        let sides = outside(from).into_iter().zip(outside(to));
         let Some(ends) = clip(sides) else { continue };
+        let ([p, q], rise) = (self::ends(a, edge), heights[to] - heights[from]);
         // Over a flat border the neighbour has the rest of an edge, and its end. Of an upright edge on the border rounding would
         // decide at which height it crosses.
-        let upright = (heights[1] - heights[0]).abs() > STEEP * p.distance(q);
+        let upright = rise.abs() > STEEP * p.distance(q);
         for (k, (t, cut)) in ends.into_iter().enumerate() {
             let v = p + t * (q - p);
             let crosses = cut.is_some_and(|side| !upright || facet.kinds[side] != EdgeKind::Flat);
