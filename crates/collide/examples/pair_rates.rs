@@ -1,5 +1,11 @@
-//! Prints how long the pair functions take, in nanoseconds per pair. Build it with `--release`.
+//! Prints how long the pair functions take, in nanoseconds per pair, on one thread; beside them, in turns on the same pairs, `parry3d`'s contact manifolds, and
+//! how many times as long those take. Build it with `--release`; a word narrows it to the sets whose name has it.
 
+use parry3d::math::{Pose, Rotation};
+use parry3d::query::{
+    ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, PersistentQueryDispatcher,
+};
+use parry3d::shape::{Ball, Capsule, ConvexPolyhedron, Cuboid, SharedShape};
 use rockfall_collide::{Cache, Manifold, collide};
 use rockfall_math::hash::mix;
 use rockfall_math::{Isometry, Mat3, Quat, Vec3, rotation};
@@ -33,27 +39,100 @@ impl Random {
     }
 }
 
-fn measure(name: &str, pairs: &[(Shape, Shape, Isometry)], margin: f32) {
-    for warm in [false, true] {
+/// How pairs are met again and again.
+#[derive(Clone, Copy, PartialEq)]
+enum Memory {
+    /// As if for the first time.
+    Fresh,
+    /// Where they were, with what they remember.
+    Still,
+    /// With what they remember, after each has gone some millimetres and turned by some milliradians.
+    Moved,
+}
+
+type Pairs = [(Shape, Shape, Isometry)];
+
+/// The same pairs for parry3d, and what it remembers of each.
+struct Peer {
+    shapes: Vec<[SharedShape; 2]>,
+    memories: Vec<(Vec<ContactManifold<(), ()>>, Option<ContactManifoldsWorkspace>)>,
+}
+
+impl Peer {
+    /// None where it lacks a shape.
+    fn new(pairs: &Pairs) -> Option<Self> {
+        let shapes = pairs.iter().map(|(a, b, _)| Some([shape(a)?, shape(b)?])).collect::<Option<_>>()?;
+        Some(Peer { shapes, memories: (0..pairs.len()).map(|_| (Vec::new(), None)).collect() })
+    }
+
+    /// All pairs once; seconds.
+    fn round(&mut self, poses: &[Isometry], margin: f32) -> f64 {
+        let pose = |pose: &Isometry| Pose::from_parts(pose.translation, Rotation::from_mat3(&pose.rotation));
+        let poses: Vec<Pose> = poses.iter().map(pose).collect();
+        let start = Instant::now();
+        for (([a, b], pose), (manifolds, workspace)) in self.shapes.iter().zip(&poses).zip(&mut self.memories)
+        {
+            DefaultQueryDispatcher
+                .contact_manifolds(pose, &**a, &**b, margin, manifolds, workspace)
+                .expect("it knows these shapes");
+        }
+        start.elapsed().as_secs_f64()
+    }
+}
+
+fn shape(shape: &Shape) -> Option<SharedShape> {
+    Some(match shape {
+        Shape::Sphere { radius } => SharedShape::new(Ball::new(*radius)),
+        Shape::Capsule { half_length, radius } => {
+            SharedShape::new(Capsule::new(Vec3::Z * -*half_length, Vec3::Z * *half_length, *radius))
+        }
+        Shape::Box { half } => SharedShape::new(Cuboid::new(*half)),
+        Shape::Hull(hull) => SharedShape::new(ConvexPolyhedron::from_convex_hull(&hull.vertices)?),
+        _ => return None,
+    })
+}
+
+/// Prints the least time of some rounds.
+fn measure(name: &str, pairs: &Pairs, margin: f32) {
+    if std::env::args().nth(1).is_some_and(|part| !name.contains(&part)) {
+        return;
+    }
+    for memory in [Memory::Fresh, Memory::Still, Memory::Moved] {
+        let mut poses: Vec<Isometry> = pairs.iter().map(|(.., pose)| *pose).collect();
+        let mut random = Random(2);
         let mut caches = vec![Cache::default(); pairs.len()];
         let mut out: Vec<Manifold> = Vec::with_capacity(pairs.len());
-        let mut least = f64::INFINITY;
+        let mut peer = Peer::new(pairs);
+        let mut least = [f64::INFINITY; 2];
         for _ in 0..ROUNDS {
-            if !warm {
+            if memory == Memory::Fresh {
                 caches.fill(Cache::default());
+                peer = Peer::new(pairs);
+            }
+            if memory == Memory::Moved {
+                for (pose, (.., start)) in poses.iter_mut().zip(pairs) {
+                    let turn = Mat3::from_quat(random.rotation(2e-3));
+                    let translation = start.translation + 2e-3 * random.vector();
+                    *pose = Isometry { rotation: turn * start.rotation, translation };
+                }
             }
             out.clear();
             let start = Instant::now();
-            for ((a, b, pose), cache) in pairs.iter().zip(&mut caches) {
+            for (((a, b, _), pose), cache) in pairs.iter().zip(&poses).zip(&mut caches) {
                 collide(a, b, pose, margin, cache, &mut out);
             }
-            least = least.min(start.elapsed().as_secs_f64());
+            least[0] = least[0].min(start.elapsed().as_secs_f64());
+            if let Some(peer) = &mut peer {
+                least[1] = least[1].min(peer.round(&poses, margin));
+            }
         }
         let points: u32 = out.iter().map(|m| m.count).sum();
+        let [own, other] = least.map(|least| least / pairs.len() as f64 * 1e9);
+        let beside =
+            if peer.is_some() { format!("{other:7.0} ns, {:4.1}", other / own) } else { String::new() };
         println!(
-            "{name:28} {} {:7.0} ns   {:5.1} % touch, {:.1} points each",
-            if warm { "warm " } else { "fresh" },
-            least / pairs.len() as f64 * 1e9,
+            "{name:28} {} {own:7.0} ns {beside:18}  {:5.1} % touch, {:.1} points each",
+            ["fresh", "still", "moved"][memory as usize],
             100.0 * out.len() as f64 / pairs.len() as f64,
             f64::from(points) / out.len().max(1) as f64,
         );
@@ -88,11 +167,18 @@ fn main() {
     measure("sphere-sphere", &set(&ball, &ball, 1.0, &|r: &mut Random| r.vector()), 0.02);
     measure("sphere-box", &set(&cube, &ball, 1.0, &|r: &mut Random| 1.2 * r.vector()), 0.02);
     measure("capsule-capsule", &set(&capsule, &capsule, 1.0, &|r: &mut Random| 0.8 * r.vector()), 0.02);
+    measure("capsule-hull16", &set(&small, &capsule, 1.0, &|r: &mut Random| 1.1 * r.vector()), 0.02);
+    measure("capsule-hull32", &set(&large, &capsule, 1.0, &|r: &mut Random| 1.1 * r.vector()), 0.02);
     measure("capsule-box", &set(&cube, &capsule, 1.0, &|r: &mut Random| 1.1 * r.vector()), 0.02);
     measure("hull16-hull16 apart", &set(&small, &small, 3.0, &apart), 0.02);
     measure("hull16-hull16 contact", &set(&small, &small, 3.0, &pile), 0.02);
     let resting = |r: &mut Random| 1.27 * r.vector().normalize();
     measure("hull16-hull16 shallow", &set(&small, &small, 3.0, &resting), 0.02);
+    measure(
+        "hull32-hull32 shallow",
+        &set(&large, &large, 3.0, &|r: &mut Random| 1.32 * r.vector().normalize()),
+        0.02,
+    );
     measure("hull32-hull32 contact", &set(&large, &large, 3.0, &pile), 0.02);
     measure("hull16-box contact", &set(&small, &cube, 3.0, &pile), 0.02);
 
