@@ -77,7 +77,7 @@ fn first<'a, const N: usize>(course: &Course, thin: f32, bodies: [&Less<'a>; N])
     // Near each other from the start: when one sinks into the other by one layer more than it has.
     let into = |less: &&Less<'a>| {
         let apart = |layers: &usize| less(*layers).and_then(|(a, b)| course.gap(a, &b, 0.0)).is_some();
-        let (a, b) = less((0..LAYERS).find(apart)? + 1)?;
+        let (a, b) = less((0..=LAYERS).find(apart)? + 1)?;
         course.advance(a, &b, 0.0, 1.0)
     };
     bodies.iter().filter_map(into).min_by(|p, q| p.time.total_cmp(&q.time))

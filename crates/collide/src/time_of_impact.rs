@@ -142,8 +142,8 @@ const MAX_STEPS: usize = 128;
 /// out again.
 pub(crate) const SUNK: f32 = 0.25;
 
-/// Layers as thick as that from A's surface to its middle.
-pub(crate) const LAYERS: usize = 4;
+/// Layers from A's surface to its middle: four as thick as that, and what is then left of a long or flat body.
+pub(crate) const LAYERS: usize = 5;
 
 /// Distance up to which a triangle counts as near from the start, as a share of A's inner radius. Contacts of what is
 /// fast enough to need this function reach as far.
@@ -291,11 +291,20 @@ impl Core {
                 return None;
             }
         };
+        Some(Core::of(set, radius, motion))
+    }
+
+    /// The middle of a shape's inner ball.
+    fn middle(shape: &Shape, motion: &Motion) -> Self {
+        Core::of(Set::Points([shape.inner_center()].into_iter().collect()), 0.0, motion)
+    }
+
+    fn of(set: Set, radius: f32, motion: &Motion) -> Self {
         let corners = set.corners();
         let reach = radius + furthest(&corners, motion.center);
         let axis = motion.start.inverse_vector(motion.rotation).normalize_or_zero();
         let arm = corners.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
-        Some(Core { set, radius, reach, arm })
+        Core { set, radius, reach, arm }
     }
 
     /// As what something runs into.
@@ -325,7 +334,11 @@ impl<'a> Cores<'a> {
     pub(crate) fn less(&self, layers: usize, motion: &Motion) -> Option<&Core> {
         let layers = layers.min(LAYERS);
         let Some(place) = layers.checked_sub(1) else { return Some(&self.whole) };
-        self.smaller[place].get_or_init(|| Core::new(self.shape, motion, SUNK * layers as f32)).as_ref()
+        let core = || match layers {
+            LAYERS => Some(Core::middle(self.shape, motion)),
+            _ => Core::new(self.shape, motion, SUNK * layers as f32),
+        };
+        self.smaller[place].get_or_init(core).as_ref()
     }
 }
 

@@ -74,6 +74,14 @@ pub fn from_rotation_vector(v: Vec3) -> Quat {
     Quat::from_xyzw(v.x * s, v.y * s, v.z * s, w)
 }
 
+/// Axis times angle, radians, of a unit quaternion: the inverse of [`from_rotation_vector`] up to half a turn; beyond that the way round is shorter
+/// on the other side.
+pub fn to_rotation_vector(q: Quat) -> Vec3 {
+    let v = Vec3::new(q.x, q.y, q.z) * q.w.signum();
+    let sin = v.length();
+    if sin > 0.0 { v * (2.0 * trig::atan2(sin, q.w.abs()) / sin) } else { Vec3::ZERO }
+}
+
 /// The shortest rotation that takes the unit vector `a` to the unit vector `b`.
 pub fn between(a: Vec3, b: Vec3) -> Quat {
     let dot = a.dot(b);
@@ -89,6 +97,7 @@ pub fn between(a: Vec3, b: Vec3) -> Quat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::PI;
 
     fn close(a: Vec3, b: Vec3) -> bool {
         (a - b).length() < 1e-5
@@ -111,6 +120,17 @@ mod tests {
         for angle in [1e-4_f32, 1e-3, 0.01, 1.0, 3.0] {
             let q = from_rotation_vector(Vec3::Z * angle);
             assert!(close(rotate(q, Vec3::X), Vec3::new(trig::cos(angle), trig::sin(angle), 0.0)));
+        }
+    }
+
+    #[test]
+    fn a_rotation_vector_comes_back_as_the_shorter_way_round() {
+        let axis = Vec3::new(0.6, 0.0, -0.8);
+        for (angle, back) in
+            [(0.0, 0.0), (1e-6, 1e-6), (0.01, 0.01), (1.0, 1.0), (3.0, 3.0), (4.0, 4.0 - 2.0 * PI)]
+        {
+            let v = to_rotation_vector(from_rotation_vector(axis * angle));
+            assert!(v.distance(axis * back) < 1e-6, "{angle}: {v}");
         }
     }
 

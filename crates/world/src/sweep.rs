@@ -21,7 +21,7 @@ use crate::{Kind, Shape};
 use flight::{Flight, fly};
 use meet::meet;
 use rayon::prelude::*;
-use rockfall_math::{Aabb, Vec3, rotation};
+use rockfall_math::{Aabb, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
 use rockfall_tree::Tree;
 
@@ -34,6 +34,8 @@ const FAST: f32 = 0.5;
 pub(crate) struct Surroundings<'a> {
     pub(crate) shapes: &'a [Shape],
     pub(crate) trees: &'a Index,
+    /// How each row was turned when the step began. Drift does not tell: it adds up turns about axes that change.
+    pub(crate) starts: &'a [Quat],
 }
 
 /// Stops fast bodies at what they would pass through.
@@ -41,18 +43,16 @@ pub(crate) fn sweep(bodies: &mut Bodies, around: Surroundings<'_>) {
     for flight in stopped(bodies, around) {
         let (row, drift) = (flight.row as usize, flight.drift());
         let old = &mut bodies.drifts[row];
-        let back = rotation::from_rotation_vector(-old.rotation());
-        let start = rotation::compose(back, bodies.rotations[row]);
         let turn = rotation::from_rotation_vector(drift.rotation());
         bodies.positions[row] += (drift.translation() - old.translation()).as_dvec3();
-        bodies.rotations[row] = rotation::normalize(rotation::compose(turn, start));
+        bodies.rotations[row] = rotation::normalize(rotation::compose(turn, around.starts[row]));
         *old = drift;
     }
 }
 
 /// The flights of those that can't go on as the solver has moved them.
 fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
-    let Surroundings { shapes, trees } = around;
+    let Surroundings { shapes, trees, starts } = around;
     let rows = || (1..bodies.rows() as u32).into_par_iter().with_min_len(512);
     let role = |row: u32| bodies.roles[row as usize];
     let moves = |row: u32| bodies.drifts[row as usize].0 != [0.0; 8];
@@ -70,7 +70,7 @@ fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
     let driven = rows().filter(|&row| bodies.kinds[row as usize] == Kind::Kinematic);
     let (driven, ways): (_, Vec<_>) = driven.map(|row| (row, way_box(bodies, row as usize))).unzip();
     let driven = Crowd::new(driven, &ways);
-    let scene = Scene { bodies, shapes, trees, driven: &driven };
+    let scene = Scene { bodies, shapes, trees, starts, driven: &driven };
     let flights: Vec<Flight> =
         movers.into_par_iter().map(|row| fly(&scene, Flight::straight(&scene, row))).collect();
     meet(&scene, flights)
@@ -82,6 +82,7 @@ struct Scene<'a> {
     bodies: &'a Bodies,
     shapes: &'a [Shape],
     trees: &'a Index,
+    starts: &'a [Quat],
     /// Kinematic bodies, on their way through the step.
     driven: &'a Crowd,
 }

@@ -19,7 +19,7 @@ use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
 use query::late::Late;
 use rockfall_math::lanes::Width;
-use rockfall_math::{DVec3, Vec3};
+use rockfall_math::{DVec3, Quat, Vec3};
 use rockfall_shape::MassProperties;
 use rockfall_solve::Contacts;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -121,6 +121,8 @@ pub struct World {
     contacts: Contacts,
     islands: Islands,
     moved: Vec<bool>,
+    /// How each row was turned when the step began.
+    starts: Vec<Quat>,
     sums: Vec<Sums>,
     rooms: Vec<Mutex<Fresh>>,
     report: StepReport,
@@ -166,6 +168,7 @@ impl World {
             contacts: Contacts::default(),
             islands: Islands::default(),
             moved: Vec::new(),
+            starts: Vec::new(),
             sums: Vec::new(),
             rooms: Vec::new(),
             report: StepReport::default(),

@@ -111,8 +111,8 @@ fn no_bullet_passes_a_wall_that_stands() {
     }
 }
 
-/// Promise: fewer than one in a thousand passes one that moves, slowly or fast, whether contacts move it or not. Those that do were set spinning by their
-/// first contact, or meet a wall that twenty others hit in the same step.
+/// Promise: hardly any passes one that moves, slowly or fast, whether contacts move it or not. Those that do meet a wall that moves fast, that contacts
+/// move, and that twenty others hit in the same step.
 #[test]
 fn hardly_any_bullet_passes_a_wall_that_moves() {
     let mut missed = 0;
@@ -131,7 +131,7 @@ fn hardly_any_bullet_passes_a_wall_that_moves() {
             }
         }
     }
-    assert!(missed < 12, "{missed} of 12000");
+    assert!(missed < 8, "{missed} of 12000");
 }
 
 /// Promise: a fast wall takes along what lies in its way, at rest or asleep.
@@ -310,17 +310,10 @@ fn casts(count: usize, seed: u64) -> [usize; 2] {
     [missed, seen]
 }
 
-/// Promise: of thousands of bullets that are shot at plates of 0.2 to 20 mm, from 10 to 5000 m/s, both moving and turning, not one passes.
+/// Promise: of a hundred thousand bullets that are shot at plates of 0.2 to 20 mm, from 10 to 5000 m/s, both moving and turning, not one passes.
 #[test]
-fn random_bullets_pass_no_plate() {
-    let [missed, seen] = casts(5000, 1);
-    assert_eq!(missed, 0, "of {seen}");
-    assert!(seen > 2000, "only {seen} have come to the plate");
-}
-
-#[test]
-#[ignore = "fails: some 16 of a hundred thousand pass, spinning from their first contact; takes minutes"]
 fn a_hundred_thousand_bullets_pass_no_plate() {
     let [missed, seen] = casts(100_000, 2);
     assert_eq!(missed, 0, "of {seen}");
+    assert!(seen > 40_000, "only {seen} have come to the plate");
 }

@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::Shape;
 use crate::bodies::Bodies;
-use rockfall_collide::{Motion, Sweep, Toi, passage};
+use rockfall_collide::{Motion, Sweep, Toi, passage, time_of_impact};
 use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
 use rockfall_solve::Drift;
 use rockfall_solve::line::Role;
@@ -43,14 +43,18 @@ pub(super) struct Flight {
     pub(super) legs: SmallVec<[Leg; 2]>,
     /// How often it has been stopped.
     pub(super) stops: usize,
+    /// Whether the solver turned it by more than [`SPIN`].
+    pub(super) spins: bool,
 }
 
 impl Flight {
     /// The way that the solver has given a body.
     pub(super) fn straight(scene: &Scene<'_>, row: u32) -> Self {
-        let origin = scene.bodies.positions[row as usize] - way(scene.bodies, row).0.as_dvec3();
-        let motion = motion(scene.bodies, row, origin);
-        Flight { row, origin, legs: SmallVec::from_slice(&[Leg { from: 0.0, motion }]), stops: 0 }
+        let (way, turn) = way(scene.bodies, row);
+        let origin = scene.bodies.positions[row as usize] - way.as_dvec3();
+        let motion = motion(scene, row, origin);
+        let spins = turn.length() > SPIN;
+        Flight { row, origin, legs: SmallVec::from_slice(&[Leg { from: 0.0, motion }]), stops: 0, spins }
     }
 
     /// The leg that holds at a time, and when it ends.
@@ -108,47 +112,65 @@ impl Flight {
 /// Takes a body on its last leg past those that contacts can't move: up to the first, and then along it, without turning: that would take
 /// its ends further in at each stop.
 pub(super) fn fly(scene: &Scene<'_>, mut flight: Flight) -> Flight {
-    // After the last slide it stays at what it met, and goes with that.
+    let mut last = None;
     for slides in 0.. {
         let from = flight.legs[flight.legs.len() - 1].from;
         let Some((time, normal, other)) = first_impact(scene, &flight, from) else { break };
+        let their = motion(scene, other, flight.origin).after(time);
         let mut left = Motion { rotation: Vec3::ZERO, ..flight.onwards(time) };
-        if slides == SLIDES {
-            flight.turn_off(time, Motion { translation: other * (1.0 - time), ..left });
-            break;
-        }
-        let into = (left.translation - other * (1.0 - time)).dot(normal);
-        left.translation -= normal * into.max(0.0);
+        let blow = normal * (left.translation - their.translation).dot(normal).max(0.0);
+        // After the last slide it stays at what it met, and goes with that.
+        left.translation = if slides == SLIDES { their.translation } else { left.translation - blow };
         flight.turn_off(time, left);
+        last = Some((time, other, their, blow));
+        if slides == SLIDES {
+            return flight;
+        }
+    }
+    if let Some((time, other, their, blow)) = last {
+        let left = flight.onwards(time);
+        if leaves(scene, [flight.row, other], [left, their], blow) {
+            flight.turn_off(time, Motion { translation: their.translation, ..left });
+        }
     }
     flight
 }
 
-/// When a body on its last leg meets one that contacts can't move, along which normal, and the way of that one in the step.
-fn first_impact(scene: &Scene<'_>, flight: &Flight, from: f32) -> Option<(f32, Vec3, Vec3)> {
+/// Whether a body that hit another hard, and lost a way `blow` that no contact makes good, slides past the rim of what it hit: to where
+/// that way would not lead onto it again in the next step. The blow would be lost.
+pub(super) fn leaves(scene: &Scene<'_>, [a, b]: [u32; 2], on: [Motion; 2], blow: Vec3) -> bool {
+    let (Some(shape_a), Some(shape_b)) = (scene.shape(a), scene.shape(b)) else { return false };
+    let [end_a, end_b] = on.map(|motion| Motion::at_rest(motion.at(1.0)));
+    let sweep = Sweep { a: Motion { translation: blow, ..end_a }, b: end_b };
+    blow.length() > scene.bodies.inners[a as usize]
+        && time_of_impact(shape_a, shape_b, &sweep, stop_distance(scene, a)).is_none()
+}
+
+/// When a body on its last leg meets one that contacts can't move, along which normal, and which.
+fn first_impact(scene: &Scene<'_>, flight: &Flight, from: f32) -> Option<(f32, Vec3, u32)> {
     let shape = scene.shape(flight.row)?;
     let left = flight.onwards(from);
     let target = stop_distance(scene, flight.row);
     let area = flight.area(scene.bodies, from);
     let hits = scene.near_fixed(flight.row, &area).into_iter().filter_map(|other| {
-        let motion = motion(scene.bodies, other, flight.origin);
+        let motion = motion(scene, other, flight.origin);
         let sweep = Sweep { a: left, b: motion.after(from) };
-        Some((stop(shape, scene.shape(other)?, &sweep, target)?, motion.translation, other))
+        Some((stop(shape, scene.shape(other)?, &sweep, target, flight.spins)?, other))
     });
     let ids = &scene.bodies.ids;
-    hits.min_by(|(a, _, m), (b, _, n)| {
+    hits.min_by(|(a, m), (b, n)| {
         a.time.total_cmp(&b.time).then_with(|| ids[*m as usize].cmp(&ids[*n as usize]))
     })
-    .map(|(Toi { time, normal, .. }, way, _)| (from + (1.0 - from) * time, normal, way))
+    .map(|(Toi { time, normal, .. }, other)| (from + (1.0 - from) * time, normal, other))
 }
 
 /// Where a body has to be stopped: see [`passage`].
 ///
-/// The drift of a body that turns about more than one axis by more than [`SPIN`] is not the turn that it made, so that where it was is not known
-/// well enough. Of such a body at least the ball inside is stopped, which looks the same from all sides.
-pub(super) fn stop(a: &Shape, b: &Shape, sweep: &Sweep, target: f32) -> Option<Toi> {
+/// What `spins`, turns by more than [`SPIN`], has made another way than the one that it is taken, between the same two places; so, besides,
+/// the ball inside is stopped, which looks the same from all sides.
+pub(super) fn stop(a: &Shape, b: &Shape, sweep: &Sweep, target: f32, spins: bool) -> Option<Toi> {
     let whole = passage(a, b, sweep, target);
-    if sweep.a.rotation.length() < SPIN || !a.is_convex() {
+    if !spins || !a.is_convex() {
         return whole;
     }
     let middle = sweep.a.start.point(sweep.a.center);
@@ -175,11 +197,17 @@ pub(super) fn way(bodies: &Bodies, row: u32) -> (Vec3, Vec3) {
     }
 }
 
-/// How the body of a row moved in this step, seen from `origin`.
-fn motion(bodies: &Bodies, row: u32, origin: DVec3) -> Motion {
-    let ((way, turn), row) = (way(bodies, row), row as usize);
-    let back = rotation::from_rotation_vector(-turn);
-    let rotation = Mat3::from_quat(rotation::normalize(rotation::compose(back, bodies.rotations[row])));
+/// How the body of a row moved in this step, seen from `origin`: straight from where it was to where it is, by the shorter turn. Whatever it did in between, it
+/// can't have come through what it does not come through this way.
+fn motion(scene: &Scene<'_>, row: u32, origin: DVec3) -> Motion {
+    let Scene { bodies, starts, .. } = *scene;
+    let (way, row) = (way(bodies, row).0, row as usize);
+    let (start, end) = (starts[row], bodies.rotations[row]);
+    let turn = match bodies.roles[row] {
+        Role::Still => Vec3::ZERO,
+        _ => rotation::to_rotation_vector(rotation::compose(end, rotation::inverse(start))),
+    };
+    let rotation = Mat3::from_quat(start);
     let center = bodies.centers[row];
     let place = (bodies.positions[row] - way.as_dvec3() - origin).as_vec3();
     Motion {

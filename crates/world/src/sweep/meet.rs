@@ -7,7 +7,7 @@
 //!
 //! The meetings are few, and are settled one after the other; they are found beside each other.
 
-use super::flight::{Flight, SLIDES, fly, stop, stop_distance};
+use super::flight::{Flight, SLIDES, fly, leaves, stop, stop_distance};
 use super::ways::Ways;
 use super::{Crowd, Scene};
 use crate::Kind;
@@ -135,7 +135,7 @@ impl Sky<'_> {
         loop {
             let until = a.leg(time).1.min(b.leg(time).1);
             let [of_a, of_b] = [a, b].map(|flight| flight.between(time, until, a.origin));
-            if let Some(hit) = stop(shape_a, shape_b, &Sweep { a: of_a, b: of_b }, target) {
+            if let Some(hit) = stop(shape_a, shape_b, &Sweep { a: of_a, b: of_b }, target, a.spins) {
                 return Some((time + (until - time) * hit.time, hit.normal));
             }
             if until >= 1.0 {
@@ -164,16 +164,31 @@ impl Sky<'_> {
             [None, Some(_)] => [0.0, 1.0],
             [None, None] => return Vec::new(),
         };
+        let blow = normal * into.max(0.0);
+        let along = [-blow, blow];
+        let slides = |side: usize| Motion {
+            translation: motions[side].translation + along[side] * shares[side],
+            rotation: if shares[side] > 0.0 { Vec3::ZERO } else { motions[side].rotation },
+            ..motions[side]
+        };
+        let mut on = [slides(0), slides(1)];
+        let origin = |row: u32| match self.fast(row) {
+            Some(i) => self.flights[i].origin,
+            None => Flight::straight(self.scene, row).origin,
+        };
+        let mut seen = on;
+        seen[1].start.translation += (origin(other) - origin(row)).as_vec3();
+        if leaves(self.scene, [row, other], seen, blow) {
+            let common = motions[0].translation * shares[1] + motions[1].translation * shares[0];
+            on.iter_mut()
+                .zip(shares)
+                .filter(|(_, share)| *share > 0.0)
+                .for_each(|(on, _)| on.translation = common);
+        }
         let mut again = Vec::new();
         for (side, row) in [row, other].into_iter().enumerate() {
             if let Some(i) = self.fast(row).filter(|_| shares[side] > 0.0) {
-                let by = normal * (into.max(0.0) * shares[side] * [-1.0, 1.0][side]);
-                let on = Motion {
-                    translation: motions[side].translation + by,
-                    rotation: Vec3::ZERO,
-                    ..motions[side]
-                };
-                self.flights[i].turn_off(time, on);
+                self.flights[i].turn_off(time, on[side]);
                 self.flights[i] = fly(self.scene, self.flights[i].clone());
                 let area = self.flights[i].area(self.scene.bodies, time);
                 self.strayed.retain(|(strayed, _)| *strayed != row);

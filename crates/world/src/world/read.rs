@@ -168,6 +168,7 @@ impl World {
             + self.islands.memory()
             + self.contacts.memory()
             + self.moved.capacity()
+            + self.starts.capacity() * size_of::<Quat>()
             + self.late.get().map_or(0, Late::memory)
             + (self.rows.capacity() + self.vacant.capacity()) * size_of::<u32>()
             + self.slots.memory()

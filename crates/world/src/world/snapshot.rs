@@ -66,7 +66,7 @@ impl World {
             // They follow from the rest.
             slots: _, rows: _, sorted: _, index: _, drifted: _, late: _,
             // Of the machine, or of the step at hand, and there is none.
-            width: _, pool: _, islands: _, moved: _, sums: _, rooms: _,
+            width: _, pool: _, islands: _, moved: _, starts: _, sums: _, rooms: _,
         } = self;
         to.text("engine", ENGINE)?;
         to.one("fingerprint", self.fingerprint())?;

@@ -14,6 +14,7 @@ use crate::sleep::sleep;
 use crate::sweep::{Surroundings, sweep};
 use crate::touch::{Changes, color, settle_in, touch};
 use crate::{Material, STAGES, Settings, Solver, StepReport};
+use rayon::prelude::*;
 use rockfall_math::Vec3;
 use rockfall_solve::Surface;
 use rockfall_solve::follow::follow;
@@ -33,7 +34,7 @@ impl World {
         self.late.take();
         self.drifted.take();
         let World { settings, width, shapes, materials, bodies, index: trees, touches, .. } = self;
-        let World { islands, contacts, rooms, moved, sums, report, .. } = self;
+        let World { islands, contacts, rooms, moved, starts, sums, report, .. } = self;
         let mut clock = Clock::new();
 
         let (fresh, stirred) = (self.fresh, &self.stirred);
@@ -71,6 +72,10 @@ impl World {
             link(islands, bodies, contacts);
         }
         clock.lap();
+        starts.clear();
+        if settings.continuous {
+            starts.par_extend(&bodies.rotations);
+        }
         let plan = plan(settings);
         let mut columns = bodies.solver_columns();
         let [solve_time, bounce_time] = match settings.solver {
@@ -83,7 +88,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees });
+            sweep(bodies, Surroundings { shapes, trees, starts });
         }
         clock.lap();
         if settings.sleeping {
