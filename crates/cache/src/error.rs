@@ -85,6 +85,14 @@ pub enum Error {
         /// Unit of all three.
         unit: &'static str,
     },
+    /// A column that can't be written.
+    #[error("the column `{name}` can't be written: {reason}")]
+    Column {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
     /// A frame has a body that the table of bodies lacks.
     #[error("body {0} is not in the run's table of bodies")]
     UnknownBody(u64),

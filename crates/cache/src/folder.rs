@@ -16,7 +16,10 @@ pub const SUMMARY: &str = "summary.json";
 pub const FRAMES: &str = "frames.csv";
 /// The poses.
 pub const TRAJECTORY: &str = "trajectory.zarr";
-
+/// The state at the end.
+pub const STATE: &str = "state.zarr";
+/// What the run began with, where that was a frame of another run.
+pub const START: &str = "start.zarr";
 /// The whole state at some frames.
 pub const CHECKPOINTS: &str = "checkpoints";
 /// Tells who writes into the folder; empty, and of no meaning when nobody does.
@@ -111,6 +114,7 @@ impl RunFolder {
 
 fn remove_run(path: &Path) -> Result<(), Error> {
     remove_frames(path)?;
+    remove_group(&path.join(START))?;
     // The summary goes last: until then the folder still counts as a run.
     for part in [SCENE, SUMMARY] {
         for file in [part_of(&path.join(part)), path.join(part)] {
@@ -122,15 +126,19 @@ fn remove_run(path: &Path) -> Result<(), Error> {
 
 fn remove_frames(path: &Path) -> Result<(), Error> {
     Checkpoint::remove_all(path)?;
-    let trajectory = path.join(TRAJECTORY);
-    // Out of the way first, so that nobody meets half of it.
-    let hidden = part_of(&trajectory);
-    absent_is_fine(fs::remove_dir_all(&hidden))
-        .and_then(|()| absent_is_fine(fs::rename(&trajectory, &hidden)))
-        .and_then(|()| absent_is_fine(fs::remove_dir_all(&hidden)))
-        .map_err(|error| Error::io("remove", &trajectory, &error))?;
+    remove_group(&path.join(TRAJECTORY))?;
+    remove_group(&path.join(STATE))?;
     let rows = path.join(FRAMES);
     absent_is_fine(fs::remove_file(&rows)).map_err(|error| Error::io("remove", &rows, &error))
+}
+
+/// Removes a folder, out of the way first, so that nobody meets half of it.
+fn remove_group(path: &Path) -> Result<(), Error> {
+    let hidden = part_of(path);
+    absent_is_fine(fs::remove_dir_all(&hidden))
+        .and_then(|()| absent_is_fine(fs::rename(path, &hidden)))
+        .and_then(|()| absent_is_fine(fs::remove_dir_all(&hidden)))
+        .map_err(|error| Error::io("remove", path, &error))
 }
 
 #[cfg(test)]

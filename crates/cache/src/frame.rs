@@ -1,8 +1,8 @@
 //! What a run says of one moment.
 
-use crate::Error;
+use crate::{Contacts, Error, Event, Values};
 use rockfall::{BodyId, StepReport};
-use rockfall_math::{DVec3, Pose, Vec3};
+use rockfall_math::{DVec3, Pose, Quat, Vec3};
 
 /// What stays the same of each body during a run. A body's row here is its row in every frame.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,6 +63,13 @@ impl Poses {
         }
         Ok(())
     }
+
+    /// Position, metres from the run's origin, and rotation of the body in a row; `None` where it is not there.
+    pub fn at(&self, row: usize) -> Option<(Vec3, Quat)> {
+        let position = Vec3::from_slice(self.positions.get(3 * row..3 * row + 3)?);
+        let rotation = Quat::from_slice(self.orientations.get(4 * row..4 * row + 4)?);
+        position.is_finite().then_some((position, rotation))
+    }
 }
 
 /// The velocities of all bodies of a table; NaN where a body is not in the world.
@@ -96,10 +103,17 @@ impl Velocities {
         }
         Ok(())
     }
+
+    /// Linear and angular velocity of the body in a row; `None` where it is not there.
+    pub fn at(&self, row: usize) -> Option<(Vec3, Vec3)> {
+        let linear = Vec3::from_slice(self.linear.get(3 * row..3 * row + 3)?);
+        let angular = Vec3::from_slice(self.angular.get(3 * row..3 * row + 3)?);
+        linear.is_finite().then_some((linear, angular))
+    }
 }
 
 /// The rows of ids that ascend.
-fn rows(table: &BodyTable, ids: &[BodyId]) -> impl Iterator<Item = Result<usize, Error>> {
+pub(crate) fn rows(table: &BodyTable, ids: &[BodyId]) -> impl Iterator<Item = Result<usize, Error>> {
     let mut row = 0;
     ids.iter().map(move |id| {
         while table.ids.get(row).is_some_and(|&known| known < id.0) {
@@ -122,12 +136,17 @@ pub struct Frame {
     pub report: Option<StepReport>,
     /// [`rockfall::World::hash`], where it was taken.
     pub hash: Option<u64>,
+    /// What touches; empty in a run that does not write it.
+    pub contacts: Contacts,
+    /// What happened in the step that led here; empty in a run that does not write it.
+    pub events: Vec<Event>,
+    /// The numbers of [`Contents::columns`](crate::Contents::columns), in that order.
+    pub columns: Vec<Values>,
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rockfall_math::Quat;
 
     fn table(ids: &[u64]) -> BodyTable {
         BodyTable {

@@ -34,7 +34,7 @@ const MANY: usize = 1 << 18;
 
 /// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here, and with it kept on
 /// they take as long.
-const LEVEL: i32 = 1;
+pub(crate) const LEVEL: i32 = 1;
 
 /// One array.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,29 +1,28 @@
 //! Reading a run.
 
+use crate::group::Group;
 use crate::moving::Moving;
 use crate::precision::Numbers;
-use crate::seal::is_sound;
-use crate::store::ATTRIBUTES;
 use crate::trajectory::{LAYOUT, MOVING};
 use crate::{
-    BodyTable, CHECKPOINTS, Error, FRAMES, Poses, Precision, SCENE, SUMMARY, Summary, TRAJECTORY, Velocities,
+    BodyTable, CHECKPOINTS, Error, FRAMES, Poses, Precision, SCENE, START, STATE, SUMMARY, State, Summary,
+    TRAJECTORY, Velocities,
 };
 use rockfall_math::DVec3;
 use serde_json::{Map, Value};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use zarrs::array::{Array, ElementOwned};
-use zarrs::filesystem::FilesystemStore;
+use std::sync::{Mutex, OnceLock, PoisonError};
+use zarrs::array::ElementOwned;
 
 /// A run on disk, finished or not.
 #[derive(Debug)]
 pub struct RunReader {
     path: PathBuf,
     summary: Summary,
-    store: Arc<FilesystemStore>,
+    trajectory: Group,
     /// The attributes of the trajectory, once they were read.
-    group: OnceLock<Map<String, Value>>,
+    attributes: OnceLock<Map<String, Value>>,
     /// What was read last: the frames that follow are most often those that are wanted next.
     last: Mutex<Option<Row>>,
 }
@@ -69,12 +68,11 @@ impl RunReader {
         if !trajectory.is_dir() {
             return Err(Error::NotARun { path: path.to_owned(), missing: TRAJECTORY });
         }
-        let store = FilesystemStore::new(&trajectory).map_err(|error| Error::damaged(&trajectory, error))?;
         Ok(RunReader {
             path: path.to_owned(),
             summary,
-            store: Arc::new(store),
-            group: OnceLock::new(),
+            trajectory: Group::open(&trajectory)?,
+            attributes: OnceLock::new(),
             last: Mutex::default(),
         })
     }
@@ -89,7 +87,7 @@ impl RunReader {
     /// # Errors
     /// [`Error::Damaged`].
     pub fn frames(&self) -> Result<u64, Error> {
-        let array = self.array("time")?;
+        let array = self.trajectory.array("time")?;
         array.shape().first().copied().ok_or_else(|| self.damaged("time", "it has no length"))
     }
 
@@ -182,6 +180,22 @@ impl RunReader {
         Ok(Some(Velocities { linear, angular }))
     }
 
+    /// The state at the end of the run, to the bit; `None` in a run that did not end, and in those of versions that did not write it.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`], [`Error::Version`].
+    pub fn end(&self) -> Result<Option<State>, Error> {
+        let path = self.path.join(STATE);
+        let Some(state) = State::read(&path)? else { return Ok(None) };
+        match self.hashes()?.get(state.frame as usize) {
+            Some(&hash) if hash != 0 && hash != state.hash => Err(Error::damaged(
+                &path,
+                format!("it has another hash than frame {} of the run", state.frame),
+            )),
+            _ => Ok(Some(state)),
+        }
+    }
+
     /// The poses of one body at all complete frames; `row` is that of the table. Of many bodies it reads a small part of
     /// the files.
     ///
@@ -227,7 +241,8 @@ impl RunReader {
         Ok(history)
     }
 
-    /// The parts of the run and their sizes; a part that is missing has no files. Checkpoints are a part only where there are any.
+    /// The parts of the run and their sizes; a part that is missing has no files. Checkpoints, the state at the end and what the run began with are
+    /// parts only where there are any.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -236,10 +251,26 @@ impl RunReader {
             let (bytes, files) = size_of(&self.path.join(name))?;
             Ok(Part { name, bytes, files })
         };
-        let parts = [SCENE, SUMMARY, FRAMES, TRAJECTORY, CHECKPOINTS].into_iter().map(size);
+        let parts = [SCENE, START, SUMMARY, FRAMES, TRAJECTORY, STATE, CHECKPOINTS].into_iter().map(size);
+        let may_lack = [START, STATE, CHECKPOINTS];
         parts
-            .filter(|part| !part.as_ref().is_ok_and(|part| part.name == CHECKPOINTS && part.files == 0))
+            .filter(|part| !part.as_ref().is_ok_and(|part| may_lack.contains(&part.name) && part.files == 0))
             .collect()
+    }
+
+    /// The trajectory.
+    pub(crate) fn group(&self) -> &Group {
+        &self.trajectory
+    }
+
+    /// Its folder.
+    pub(crate) fn folder(&self) -> PathBuf {
+        self.path.join(TRAJECTORY)
+    }
+
+    /// Bodies in it.
+    pub(crate) fn body_count(&self) -> Result<usize, Error> {
+        Ok(self.all::<u64>("id")?.len())
     }
 
     /// Numbers of two arrays at one frame.
@@ -283,7 +314,7 @@ impl RunReader {
         let mut arrays: Vec<Moving> = Vec::new();
         let there = if self.has_velocities()? { 4 } else { 2 };
         for (name, dimension) in MOVING.into_iter().take(there) {
-            let metadata = self.metadata(&format!("{name}/zarr.json"))?;
+            let metadata = self.trajectory.metadata(&format!("{name}/zarr.json"))?;
             let (array, _) =
                 Moving::of(name, dimension, &metadata).map_err(|reason| self.damaged(name, reason))?;
             let alike = |first: &Moving| {
@@ -315,7 +346,10 @@ impl RunReader {
     }
 
     /// Whether there are velocities beside the poses.
-    fn has_velocities(&self) -> Result<bool, Error> {
+    ///
+    /// # Errors
+    /// [`Error::Damaged`].
+    pub fn has_velocities(&self) -> Result<bool, Error> {
         Ok(self.attributes()?.get("velocities").and_then(Value::as_bool).unwrap_or(false))
     }
 
@@ -326,7 +360,7 @@ impl RunReader {
     }
 
     fn poses_of_layout_1(&self, name: &str, frame: u64) -> Result<Vec<f32>, Error> {
-        let array = self.array(name)?;
+        let array = self.trajectory.array(name)?;
         let [_, bodies, width] = *array.shape() else {
             return Err(self.damaged(name, "it has not three dimensions"));
         };
@@ -346,54 +380,21 @@ impl RunReader {
     }
 
     /// The attributes of the group, which never change.
-    fn attributes(&self) -> Result<&Map<String, Value>, Error> {
-        if self.group.get().is_none() {
-            let mut metadata = self.metadata("zarr.json")?;
-            let Some(Value::Object(attributes)) = metadata.get_mut("attributes").map(Value::take) else {
-                return Err(self.damaged("zarr.json", "it has no attributes"));
-            };
-            let _ = self.group.set(attributes);
+    pub(crate) fn attributes(&self) -> Result<&Map<String, Value>, Error> {
+        if let Some(attributes) = self.attributes.get() {
+            return Ok(attributes);
         }
-        self.group.get().ok_or_else(|| self.damaged("zarr.json", "it has no attributes"))
-    }
-
-    /// A `zarr.json` whose checksum is right.
-    fn metadata(&self, name: &str) -> Result<Value, Error> {
-        let path = self.path.join(TRAJECTORY).join(name);
-        let text = fs::read(&path).map_err(|error| Error::damaged(&path, error))?;
-        let metadata: Value = serde_json::from_slice(&text).map_err(|error| Error::damaged(&path, error))?;
-        if is_sound(metadata.clone(), &ATTRIBUTES) {
-            Ok(metadata)
-        } else {
-            Err(Error::damaged(&path, "its checksum is another one"))
-        }
-    }
-
-    fn array(&self, name: &str) -> Result<Array<FilesystemStore>, Error> {
-        self.metadata(&format!("{name}/zarr.json"))?;
-        Array::open(self.store.clone(), &format!("/{name}")).map_err(|error| self.damaged(name, error))
+        let attributes = self.trajectory.attributes()?;
+        Ok(self.attributes.get_or_init(|| attributes))
     }
 
     fn all<T: ElementOwned>(&self, name: &str) -> Result<Vec<T>, Error> {
-        let array = self.array(name)?;
-        if self.layout()? > 1 {
-            self.has_every_chunk(&array, name)?;
-        }
-        array.retrieve_array_subset::<Vec<T>>(&array.subset_all()).map_err(|error| self.damaged(name, error))
-    }
-
-    /// A reader of Zarr takes a chunk that is not there for one of fill values; the writer leaves out none.
-    fn has_every_chunk(&self, array: &Array<FilesystemStore>, name: &str) -> Result<(), Error> {
-        let chunks = array.chunk_grid_shape().first().copied().unwrap_or(0);
-        let file = |chunk| self.path.join(TRAJECTORY).join(name).join(format!("c.{chunk}"));
-        match (0..chunks).map(file).find(|file| !file.is_file()) {
-            Some(file) => Err(Error::damaged(&file, "it is missing")),
-            None => Ok(()),
-        }
+        // Older versions left out chunks of nothing but fill values.
+        if self.layout()? > 1 { self.trajectory.whole(name) } else { self.trajectory.all(name) }
     }
 
     fn damaged(&self, name: &str, reason: impl ToString) -> Error {
-        Error::damaged(&self.path.join(TRAJECTORY).join(name), reason)
+        self.trajectory.damaged(name, reason)
     }
 }
 

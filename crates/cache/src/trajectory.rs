@@ -12,6 +12,8 @@
 //! | `name` | string | body | empty where a body has none |
 //! | `shape` | uint32 | body | index of the shape, the scale included |
 //! | `scale` | float32 | body | factor between the shape that the scene describes and the body's |
+//! | `contacts`, `events` | groups | | what touches, and who begins to; on request (`contacts.rs`, `events.rs`) |
+//! | any other name | | frame, body | a column of the program's own (`columns.rs`) |
 //!
 //! A body that is not in the world at a frame is NaN there. The arrays grow with the run, and `time` grows last: its
 //! length is the number of frames that are complete, whatever happened to the program. Every file is written whole
@@ -20,10 +22,11 @@
 //! The format was chosen so that NumPy, xarray and any other reader of Zarr open it without a line of ours. How the numbers of the first
 //! four lie in their chunks is told in `moving.rs`, and how they stay within a bound in `precision.rs`.
 
+use crate::extras::{self, Extras};
 use crate::moving::{Coder, Moving};
 use crate::precision::Numbers;
 use crate::store::WholeFiles;
-use crate::{BodyTable, Error, Frame, Precision, RunReader};
+use crate::{BodyTable, Column, Error, Frame, Precision, RunReader, WantedContacts, WantedEvents};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use rockfall_math::DVec3;
@@ -40,10 +43,10 @@ use zarrs::metadata::ChunkKeySeparator;
 pub const LAYOUT: u64 = 2;
 
 /// Values in a chunk of the arrays that have one for each body.
-const CHUNK_BODIES: usize = 65_536;
+pub(crate) const CHUNK_BODIES: usize = 65_536;
 
 /// Frames in a chunk of `time` and `hash`; a multiple of any number of frames in a chunk of poses.
-const CHUNK_TIMES: usize = 1024;
+pub(crate) const CHUNK_TIMES: usize = 1024;
 
 /// Numbers that a thread stores at once; fewer are not worth waking it.
 const PART: usize = 1 << 16;
@@ -63,6 +66,12 @@ pub struct Contents {
     pub precision: Precision,
     /// Whether there are velocities.
     pub velocities: bool,
+    /// Which contacts there are.
+    pub contacts: Option<WantedContacts>,
+    /// Which events there are.
+    pub events: Option<WantedEvents>,
+    /// Columns of the program's own.
+    pub columns: Vec<Column>,
     /// The scene as it was run, for the attributes of the group.
     pub scene: String,
     /// The program and its version, for the same.
@@ -101,6 +110,7 @@ pub struct TrajectoryWriter {
     threads: Option<Arc<ThreadPool>>,
     /// One for each thread.
     coders: Vec<Coder>,
+    extras: Extras,
     time: Array<WholeFiles>,
     hash: Array<WholeFiles>,
     /// The chunks that are not full yet.
@@ -118,12 +128,13 @@ impl TrajectoryWriter {
     /// Starts a trajectory in the folder `path`, which exists and is empty.
     ///
     /// # Errors
-    /// [`Error::Precision`]; [`Error::Io`] names the file that could not be written.
+    /// [`Error::Precision`], [`Error::Column`]; [`Error::Io`] names the file that could not be written.
     pub fn create(path: &Path, table: &BodyTable, contents: &Contents, rate: f64) -> Result<Self, Error> {
         let (position, rotation) = contents.precision.numbers()?;
+        contents.check()?;
         let store = Arc::new(WholeFiles::new(path.to_owned()));
         let bodies = table.len();
-        let group = attributes([
+        let mut group = attributes([
             ("rockfall_trajectory", json!(LAYOUT)),
             ("rockfall", json!(contents.rockfall)),
             ("origin", json!(contents.origin.to_array())),
@@ -135,6 +146,7 @@ impl TrajectoryWriter {
             ("velocities", json!(contents.velocities)),
             ("scene", json!(Some(&contents.scene).filter(|text| text.len() <= SCENE_BYTES))),
         ]);
+        group.extend(extras::about(contents).map(|(name, value)| (name.to_owned(), value)));
         let built = GroupBuilder::new().attributes(group).build(store.clone(), "/");
         built
             .map_err(|error| store.explain(error))?
@@ -165,7 +177,8 @@ impl TrajectoryWriter {
         let arrays = MOVING.iter().zip(numbers).take(there);
         let arrays =
             arrays.map(|(&(name, dimension), numbers)| Moving::new(name, dimension, numbers, bodies));
-        let writer = Self::empty(store, arrays.collect(), contents.origin)?;
+        let extras = Extras::create(contents, bodies, &store)?;
+        let writer = Self::empty(store, arrays.collect(), contents.origin, extras)?;
         writer.announce()?;
         Ok(writer)
     }
@@ -177,7 +190,9 @@ impl TrajectoryWriter {
     /// [`Error::Damaged`], before anything is touched; [`Error::Io`].
     pub(crate) fn resume(path: &Path, reader: &RunReader, frames: u64) -> Result<Self, Error> {
         let store = Arc::new(WholeFiles::new(path.to_owned()));
-        let mut writer = Self::empty(store, reader.arrays()?, reader.origin()?)?;
+        let arrays = reader.arrays()?;
+        let extras = Extras::resume(reader, path, arrays.first().map_or(0, |array| array.bodies), frames)?;
+        let mut writer = Self::empty(store, arrays, reader.origin()?, extras)?;
         // Chunks that are not full have to be written anew. What is on disk goes back to it, number for number.
         let row = (frames - 1) / writer.span as u64;
         let kept = (frames - row * writer.span as u64) as usize;
@@ -208,7 +223,12 @@ impl TrajectoryWriter {
     }
 
     /// Without frames; nothing of it is in the store.
-    fn empty(store: Arc<WholeFiles>, arrays: Vec<Moving>, origin: DVec3) -> Result<Self, Error> {
+    fn empty(
+        store: Arc<WholeFiles>,
+        arrays: Vec<Moving>,
+        origin: DVec3,
+        extras: Extras,
+    ) -> Result<Self, Error> {
         let track = |array: Moving| Track {
             attributes: about(array.name, origin),
             values: vec![array.numbers.absent(); array.row()],
@@ -236,6 +256,7 @@ impl TrajectoryWriter {
             tracks: arrays.into_iter().map(track).collect(),
             threads: None,
             coders: vec![Coder::new().map_err(|error| store.explain(error))?],
+            extras,
             store,
             time,
             hash,
@@ -301,6 +322,7 @@ impl TrajectoryWriter {
         if too_large {
             self.take_out_too_far(slot, &frame.poses.positions);
         }
+        self.extras.append(frame, &self.store)?;
         let time_slot = (self.frames % CHUNK_TIMES as u64) as usize;
         if time_slot == 0 {
             self.times.fill(f64::NAN);
@@ -370,6 +392,7 @@ impl TrajectoryWriter {
                 store.put(&track.array.key(row, *column), &bytes)?;
             }
         }
+        self.extras.flush(store)?;
         let index = [(frames - 1) / CHUNK_TIMES as u64];
         let whole = every_chunk();
         self.time.store_chunk_opt(&index, &self.times[..], &whole).map_err(|error| store.explain(error))?;
@@ -388,6 +411,7 @@ impl TrajectoryWriter {
             let metadata = array.metadata(self.frames, attributes).to_string();
             self.store.put(&format!("{}/zarr.json", array.name), metadata.as_bytes())?;
         }
+        self.extras.announce(&self.store)?;
         for array in [&self.hash, &self.time] {
             array.store_metadata().map_err(|error| self.store.explain(error))?;
         }
@@ -417,24 +441,24 @@ fn about(name: &str, origin: DVec3) -> Map<String, Value> {
 }
 
 /// Chunks of nothing but fill values are written as well: so one that is not there was lost.
-fn every_chunk() -> CodecOptions {
+pub(crate) fn every_chunk() -> CodecOptions {
     CodecOptions::default().with_store_empty_chunks(true)
 }
 
-fn attributes<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
+pub(crate) fn attributes<const N: usize>(entries: [(&str, Value); N]) -> Map<String, Value> {
     entries.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// How an array lies in the store.
-struct Layout<'a> {
-    store: &'a Arc<WholeFiles>,
-    shape: Vec<u64>,
-    chunk: Vec<u64>,
-    names: &'a [&'static str],
+pub(crate) struct Layout<'a> {
+    pub(crate) store: &'a Arc<WholeFiles>,
+    pub(crate) shape: Vec<u64>,
+    pub(crate) chunk: Vec<u64>,
+    pub(crate) names: &'a [&'static str],
 }
 
 impl Layout<'_> {
-    fn build(
+    pub(crate) fn build(
         &self,
         name: &str,
         data_type: DataType,
@@ -468,14 +492,28 @@ impl Layout<'_> {
         description: &str,
         values: &[T],
     ) -> Result<(), Error> {
-        let attributes = attributes([("description", json!(description))]);
+        let about = attributes([("description", json!(description))]);
+        self.write_whole(name, data_type, fill, about, values)
+    }
+
+    /// Creates an array whose first dimension alone is in chunks, and fills it.
+    pub(crate) fn write_whole<T: Element + Clone + Default>(
+        &self,
+        name: &str,
+        data_type: DataType,
+        fill: impl Into<ArrayBuilderFillValue>,
+        attributes: Map<String, Value>,
+        values: &[T],
+    ) -> Result<(), Error> {
         let array = self.build(name, data_type, fill, attributes)?;
         array.store_metadata().map_err(|error| self.store.explain(error))?;
-        let chunk = self.chunk[0] as usize;
-        for (index, part) in values.chunks(chunk).enumerate() {
+        let chunk = self.chunk.iter().product::<u64>() as usize;
+        let mut index = vec![0; self.chunk.len()];
+        for (row, part) in (0..).zip(values.chunks(chunk)) {
             let mut part = part.to_vec();
             part.resize(chunk, T::default());
-            let stored = array.store_chunk_opt(&[index as u64], &part[..], &every_chunk());
+            index[0] = row;
+            let stored = array.store_chunk_opt(&index, &part[..], &every_chunk());
             stored.map_err(|error| self.store.explain(error))?;
         }
         Ok(())

@@ -27,6 +27,11 @@ struct Run<'a> {
     trajectory_frames: u64,
     /// Bytes and number of files of each part.
     parts: Vec<PartSize>,
+    /// Of all frames; none in a run that does not write them.
+    contacts: Option<u64>,
+    events: Option<u64>,
+    /// Columns beside poses.
+    columns: Vec<String>,
     summary: &'a Summary,
 }
 
@@ -40,9 +45,13 @@ struct PartSize {
 fn run(args: &InfoArgs) -> Result<(), Failure> {
     let reader = RunReader::open(&args.path)?;
     let (frames, parts, summary) = (reader.frames()?, reader.parts()?, reader.summary());
+    let contacts = reader.contacts()?.map(|contacts| contacts.total());
+    let events = reader.events()?.map(|events| events.total());
+    let columns: Vec<String> = reader.columns()?.into_iter().map(|column| column.name).collect();
     if args.json {
         let size = |part: &Part| PartSize { name: part.name, bytes: part.bytes, files: part.files };
-        let run = Run { trajectory_frames: frames, parts: parts.iter().map(size).collect(), summary };
+        let parts = parts.iter().map(size).collect();
+        let run = Run { trajectory_frames: frames, parts, contacts, events, columns, summary };
         // Only maps with keys that are not text can fail to become JSON, and there is none.
         say::out(&serde_json::to_string_pretty(&run).unwrap_or_default());
         return Ok(());
@@ -59,6 +68,12 @@ fn run(args: &InfoArgs) -> Result<(), Failure> {
     }];
     let complete = format!("{} of {}", units::count(frames), units::count(summary.frames_planned + 1));
     lines.push(format!("  {:<20} {complete}, the start included", "frames on disk"));
+    for (name, rows) in [("contacts on disk", contacts), ("events on disk", events)] {
+        lines.extend(rows.map(|rows| format!("  {name:<20} {}", units::count(rows))));
+    }
+    if !columns.is_empty() {
+        lines.push(format!("  {:<20} {}", "columns", columns.join(", ")));
+    }
     lines.extend(parts.iter().map(|part| {
         format!("  {:<20} {:>12} in {} files", part.name, units::bytes(part.bytes), units::count(part.files))
     }));

@@ -8,6 +8,7 @@ mod bench;
 mod diff;
 mod exit;
 mod export;
+mod extras;
 mod info;
 mod open;
 mod output;

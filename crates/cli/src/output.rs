@@ -2,6 +2,7 @@
 
 use crate::args::{Every, RunArgs};
 use crate::exit::Failure;
+use crate::extras::Extras;
 use crate::open;
 use crate::summary::Tally;
 use rockfall::math::DVec3;
@@ -9,7 +10,8 @@ use rockfall::math::hash::combine;
 use rockfall::snapshot;
 use rockfall::{StepReport, World};
 use rockfall_cache::{
-    BodyTable, Checkpoint, Contents, Frame, Precision, RunFolder, RunReader, RunWriter, Summary, Written,
+    BodyTable, Checkpoint, Contents, Frame, Precision, RunFolder, RunReader, RunWriter, START, Summary,
+    Written,
 };
 use rockfall_scene::{Running, Scene};
 use std::path::Path;
@@ -30,6 +32,7 @@ pub(crate) struct Output {
     origin: DVec3,
     /// Whether velocities are written.
     velocities: bool,
+    extras: Extras,
     /// Hash of the scene as it was run, by which checkpoints are known.
     scene: u64,
     every: Every,
@@ -73,7 +76,7 @@ impl Output {
         let origin = origin(running.world.poses().iter().map(|pose| pose.position));
         let text = scene.to_toml_filled();
         let hash = hash(&text);
-        let wanted = scene.output;
+        let (wanted, extras) = (&scene.output, Extras::of(scene, running));
         let contents = Contents {
             origin,
             precision: Precision {
@@ -83,12 +86,16 @@ impl Output {
             velocities: wanted.velocities,
             scene: text.clone(),
             rockfall: summary.rockfall.clone(),
+            ..Contents::default()
         };
-        let mut writer = RunWriter::create(folder, &text, summary, &table, contents)?;
+        let mut writer = RunWriter::create(folder, &text, summary, &table, extras.within(contents))?;
         writer.encode_on(running.world.threads())?;
+        if let Some(start) = scene.start() {
+            start.write(&folder.path().join(START))?;
+        }
         let (every, last) = (args.checkpoint_every, (Instant::now(), 0));
         let velocities = wanted.velocities;
-        let mut output = Output { writer, table, origin, velocities, scene: hash, every, last };
+        let mut output = Output { writer, table, origin, velocities, extras, scene: hash, every, last };
         output.push(&running.world, None)?;
         Ok(output)
     }
@@ -111,6 +118,7 @@ impl Output {
             table,
             origin,
             velocities: scene.output.velocities,
+            extras: Extras::of(scene, running),
             scene: hash(&scene.to_toml_filled()),
             every: args.checkpoint_every,
             last: (Instant::now(), frame),
@@ -156,7 +164,10 @@ impl Output {
         }
         let time = report.map_or(0.0, |report| report.time);
         let hash = Some(world.hash());
-        self.writer.push(Frame { time, poses, velocities, report: report.cloned(), hash })?;
+        let frame = report.map_or(0, |report| report.step);
+        let (contacts, events, columns) = self.extras.gather(world, &self.table, self.origin, frame)?;
+        let report = report.cloned();
+        self.writer.push(Frame { time, poses, velocities, report, hash, contacts, events, columns })?;
         Ok(())
     }
 

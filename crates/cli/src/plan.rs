@@ -10,10 +10,14 @@ use std::time::Duration;
 
 /// A pose on disk before compression: seven single-precision numbers.
 const POSE_BYTES: u64 = 28;
+/// Velocities, where they are written: six of them.
+const VELOCITY_BYTES: u64 = 24;
+/// A number of a further column, at most.
+const COLUMN_BYTES: u64 = 4;
 /// A row of `frames.csv`, about.
 const ROW_BYTES: u64 = 500;
-/// Id, shape, scale and a short name.
-const BODY_BYTES: u64 = 24;
+/// Id, shape, scale, a short name, and the state at the end.
+const BODY_BYTES: u64 = 88;
 
 /// What `--dry-run` and `info` say of a scene.
 #[derive(Debug, Serialize)]
@@ -29,6 +33,9 @@ pub(crate) struct Plan {
     seed: u64,
     memory_bytes: u64,
     disk_bytes: u64,
+    /// Contacts, of which nobody knows how many there will be, are not among them.
+    #[serde(skip)]
+    contacts: bool,
     /// Meshes that are cut into hulls; `info` alone cuts them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cuts: Vec<CutRow>,
@@ -51,8 +58,10 @@ impl Plan {
         let estimate = scene.estimate();
         let rate = f64::from(scene.settings.rate);
         let poses = (scene.frames + 1).saturating_mul(estimate.bodies);
+        let velocities = if scene.output.velocities { VELOCITY_BYTES } else { 0 };
+        let columns = COLUMN_BYTES * scene.output.columns.len() as u64;
         let disk = poses
-            .saturating_mul(POSE_BYTES)
+            .saturating_mul(POSE_BYTES + velocities + columns)
             .saturating_add(scene.frames.saturating_mul(ROW_BYTES))
             .saturating_add(estimate.bodies.saturating_mul(BODY_BYTES));
         Plan {
@@ -67,6 +76,7 @@ impl Plan {
             seed: scene.seed,
             memory_bytes: estimate.memory,
             disk_bytes: disk,
+            contacts: scene.output.contacts.is_some(),
             cuts: Vec::new(),
         }
     }
@@ -106,6 +116,9 @@ impl fmt::Display for Plan {
         writeln!(f, "  seed     {}", self.seed)?;
         writeln!(f, "  memory   about {}", units::bytes(self.memory_bytes))?;
         write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))?;
+        if self.contacts {
+            write!(f, ", and contacts")?;
+        }
         for cut in &self.cuts {
             let millimetres = [cut.missing_m, cut.filled_m, cut.spacing_m].map(|x| 1e3 * x);
             let [missing, filled, spacing] = millimetres;

@@ -7,8 +7,8 @@ use crate::plan::Plan;
 use crate::progress::Progress;
 use crate::stop::Stop;
 use crate::summary::{self, Tally};
-use crate::{open, say, units};
-use rockfall_cache::{Checkpoint, RunFolder, SCENE, SUMMARY, Status, Summary, Written};
+use crate::{extras, open, say, units};
+use rockfall_cache::{Checkpoint, RunFolder, SCENE, STATE, SUMMARY, State, Status, Summary, Written};
 use rockfall_scene::Running;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -30,7 +30,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     Output::check(args)?;
     let summary = summary::head(path, &scene);
     note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
-    let running = scene.build()?;
+    let mut running = scene.build()?;
+    if !args.no_output {
+        extras::watch(&scene, &mut running)?;
+    }
     let tally = Tally::new(start.elapsed());
 
     // Until here Ctrl-C ends the program in the ordinary way: there is nothing to save.
@@ -55,6 +58,7 @@ fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
     let summary = Summary { scene: former.scene, ..summary::head(&scene_path, &scene) };
     note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
     let mut running = scene.build()?;
+    extras::watch(&scene, &mut running)?;
     let stop = Stop::listen("this step")?;
     let checkpoints = Checkpoint::all(path)?;
     for checkpoint in &checkpoints {
@@ -110,7 +114,12 @@ impl Job {
         progress.finish();
 
         let Job { running, tally, output, mut summary, .. } = self;
-        let written = output.map_or(Ok(Written::default()), Output::finish);
+        let written = output.map_or(Ok(Written::default()), Output::finish).and_then(|written| {
+            if let (Ok(_), Some(path)) = (&simulated, &folder) {
+                State::of(&running.world, running.world.report().step).write(&path.join(STATE))?;
+            }
+            Ok(written)
+        });
         let complete = simulated.as_ref().ok().filter(|_| written.is_ok());
         summary.status = complete.copied().unwrap_or(Status::Failed);
         summary.hash = format!("{:016x}", running.world.hash());

@@ -3,7 +3,9 @@
 use crate::args::VerifyArgs;
 use crate::exit::Failure;
 use crate::{say, units};
-use rockfall_cache::{Checkpoint, Error, FRAMES, Poses, RunReader, SCENE, Status, checksum, csv};
+use rockfall_cache::{
+    Checkpoint, Contacts, Error, FRAMES, Poses, RunReader, SCENE, START, Start, Status, checksum, csv,
+};
 use rockfall_scene::Scene;
 use std::fs;
 
@@ -46,6 +48,8 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<(), Failure> {
             wrong.push(format!("the summary has another hash than the last row of {FRAMES}"));
         }
     }
+    wrong.extend(reader.end().err().map(|error| error.to_string()));
+    wrong.extend(Start::read(&run.join(START)).err().map(|error| error.to_string()));
     let checkpoints = Checkpoint::all(run)?;
     wrong.extend(checkpoints.iter().filter_map(|checkpoint| Some(checkpoint.verify().err()?.to_string())));
     if wrong.is_empty() {
@@ -79,7 +83,44 @@ fn trajectory(reader: &RunReader, rows: &[csv::Row], wrong: &mut Vec<String>) ->
             Err(error) => wrong.push(error.to_string()),
         }
     }
+    wrong.extend(extras(reader, &bodies.ids, times.len() as u64)?);
     Ok(times.len() as u64)
+}
+
+/// Reads the contacts, the events and the columns of every frame. Returns what is wrong with them.
+fn extras(reader: &RunReader, ids: &[u64], frames: u64) -> Result<Vec<String>, Error> {
+    let (contacts, events) = (reader.contacts()?, reader.events()?);
+    let columns = reader.columns()?;
+    let columns = columns.iter().map(|column| reader.column(column)).collect::<Result<Vec<_>, Error>>()?;
+    let known = |id: u64| ids.binary_search(&id).is_ok();
+    let mut wrong = Vec::new();
+    for frame in 0..frames {
+        match contacts.as_ref().map(|contacts| contacts.at(frame)).transpose() {
+            Ok(Some(found)) if !are_sound(&found) || !found.a.iter().chain(&found.b).all(|&id| known(id)) => {
+                wrong.push(format!("frame {frame} has a contact that there can't be"));
+            }
+            Ok(_) => {}
+            Err(error) => wrong.push(error.to_string()),
+        }
+        match events.as_ref().map(|events| events.at(frame)).transpose() {
+            Ok(Some(found)) if !found.iter().all(|event| known(event.a) && known(event.b)) => {
+                wrong.push(format!("frame {frame} has an event of a body that there is not"));
+            }
+            Ok(_) => {}
+            Err(error) => wrong.push(error.to_string()),
+        }
+        wrong.extend(columns.iter().filter_map(|column| Some(column.at(frame).err()?.to_string())));
+    }
+    Ok(wrong)
+}
+
+/// Whether all normals have length 1, and all other numbers are some.
+fn are_sound(contacts: &Contacts) -> bool {
+    let unit = |n: &[f32; 3]| (n.iter().map(|x| x * x).sum::<f32>().sqrt() - 1.0).abs() < UNIT;
+    let numbers = contacts.distances.iter().chain(&contacts.forces);
+    contacts.normals.iter().all(unit)
+        && contacts.positions.as_flattened().iter().chain(numbers).all(|x| x.is_finite())
+        && contacts.a.iter().zip(&contacts.b).all(|(a, b)| a < b)
 }
 
 /// Whether every body is either not there, or somewhere, and turned by a rotation.

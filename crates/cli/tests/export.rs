@@ -33,6 +33,8 @@ fn place() -> Place {
 fn every_format_makes_its_output_and_says_what_it_is() {
     let place = place();
     for (options, path, files) in [
+        ("usd", "run.usdc", 1),
+        ("usd --clips 3", "run-usd", 4),
         ("vtp", "run-vtp", 9),
         ("csv", "run.csv", 1),
         ("parquet", "run.parquet", 1),
@@ -52,6 +54,57 @@ fn every_format_makes_its_output_and_says_what_it_is() {
     let text = fs::read_to_string(place.path("some.csv")).unwrap();
     let starts: Vec<&str> = text.lines().filter_map(|line| line.split(',').next()).collect();
     assert_eq!(starts, ["frame", "1", "3", "5"]);
+}
+
+/// What is in the files is tested where they are made; here, that each option reaches them.
+#[test]
+fn every_option_of_usd_does_what_it_says() {
+    let place = place();
+    let size = |path: &str| fs::metadata(place.path(path)).unwrap().len();
+    let names = |folder: &str| {
+        let mut names: Vec<String> = fs::read_dir(place.path(folder))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort_unstable();
+        names
+    };
+    expect(&place.rockfall("export run --to usd -q"), 0);
+    assert!(place.path("run.usdc").is_file());
+    // Of six frames of a body.
+    for (option, bytes) in [("--velocities", 24), ("--precise", 16), ("--velocities --precise", 40)] {
+        expect(&place.rockfall(&format!("export run --to usd {option} -o with.usdc --overwrite -q")), 0);
+        assert!(size("with.usdc") > size("run.usdc") + 6 * bytes, "{option}");
+    }
+    expect(&place.rockfall("export run --to usd --clips 4 -o clips -q"), 0);
+    assert_eq!(names("clips"), ["frames-0000.usdc", "frames-0001.usdc", "manifest.usdc", "scene.usdc"]);
+    expect(
+        &place.rockfall("export run --to usd --clips 1 --frames 1.. --every 2 -o clips --overwrite -q"),
+        0,
+    );
+    let clips = ["frames-0000.usdc", "frames-0001.usdc", "frames-0002.usdc", "manifest.usdc", "scene.usdc"];
+    assert_eq!(names("clips"), clips);
+    // Nought is one file, however large.
+    expect(&place.rockfall("export run --to usd --clips 0 -o one.usdc -q --threads 1"), 0);
+    assert_eq!(fs::read(place.path("one.usdc")).unwrap(), fs::read(place.path("run.usdc")).unwrap());
+    expect(&place.rockfall("export run --to usd --frames 2..4 -o some.usdc -q"), 0);
+    assert!(size("some.usdc") < size("run.usdc"));
+    for (arguments, code, text) in [
+        ("--to usd --meshes", 2, "--to usd does not know --meshes"),
+        ("--to usd --per-frame", 2, "--to usd does not know --per-frame"),
+        ("--to usd --bodies 2", 2, "--to usd does not know --bodies"),
+        ("--to usd --clips=-1", 2, "invalid value '-1'"),
+        ("--to usd --clips many", 2, "invalid value 'many'"),
+        ("--to vtp --clips 4", 2, "--to vtp does not know --clips"),
+        ("--to csv --velocities", 2, "--to csv does not know --velocities"),
+        ("--to glb --precise", 2, "--to glb does not know --precise"),
+        ("--to usd -o run.usdc", 1, "run.usdc exists"),
+        ("--to usd --clips 4 -o run.usdc --overwrite", 1, "run.usdc"),
+    ] {
+        let export = place.rockfall(&format!("export run {arguments}"));
+        expect(&export, code);
+        assert!(error(&export).contains(text), "{arguments}: {}", error(&export));
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! CSV: one row per body and frame, for spreadsheets and scripts.
 
 use crate::columns::{COLUMNS, Column};
-use crate::{Error, Format, Ids, Job, Makes, Moment, Motion, Run};
+use crate::{Detail, Error, Format, Ids, Job, Makes, Moment, Run};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
@@ -29,7 +29,7 @@ impl Format for Csv {
         let header = COLUMNS.map(|(name, _)| name).join(",") + "\n";
         file.write_all(header.as_bytes()).map_err(failed)?;
         let encode = |moment: Moment| text(job.run(), &moment).map_err(failed);
-        job.stream(&rows, Motion::Wanted, encode, |text| file.write_all(&text).map_err(failed))
+        job.stream(&rows, Detail::Motion, encode, |text| file.write_all(&text).map_err(failed))
     }
 }
 

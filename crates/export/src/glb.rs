@@ -34,7 +34,11 @@ impl Format for Glb {
     }
 
     fn write(&self, job: &Job<'_>, to: &Path) -> Result<(), Error> {
-        let rows = job.rows(self.bodies.as_ref())?;
+        let mut rows = job.rows(self.bodies.as_ref())?;
+        if self.bodies.is_none() {
+            let sensors = &job.inventory()?.sensors;
+            rows.retain(|&row| !sensors[row as usize]);
+        }
         if job.frames().len() == 1 { still::write(job, &rows, to) } else { animation::write(job, &rows, to) }
     }
 }

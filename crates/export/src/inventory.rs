@@ -3,6 +3,7 @@
 use crate::Error;
 use rockfall::{Kind, Shape};
 use rockfall_cache::{BodyTable, SCENE};
+use rockfall_math::Vec3;
 use rockfall_scene::{BodyRow, Scene};
 use std::path::Path;
 
@@ -19,14 +20,21 @@ pub struct Inventory {
     pub shape_of: Vec<u32>,
     /// The material of each body, an index into `materials`.
     pub material_of: Vec<u32>,
+    /// Whether each body is a sensor, which is nothing to look at.
+    pub sensors: Vec<bool>,
+    /// The centre of mass of each body in the frame of its shape, metres; zero of one that is not dynamic.
+    pub centers: Vec<Vec3>,
 }
 
 impl Inventory {
     /// Lays out the scene in the folder of a run with these bodies.
     pub(crate) fn of(run: &Path, table: &BodyTable) -> Result<Self, Error> {
         let path = run.join(SCENE);
-        let rockfall_scene::Inventory { shapes, materials, mut bodies } = Scene::load(&path)?.inventory()?;
-        bodies.sort_by_key(|body| body.id);
+        let rockfall_scene::Inventory { shapes, materials, bodies, centers } =
+            Scene::load(&path)?.inventory()?;
+        let mut bodies: Vec<(BodyRow, Vec3)> = bodies.into_iter().zip(centers).collect();
+        bodies.sort_by_key(|(body, _)| body.id);
+        let (bodies, centers): (Vec<BodyRow>, Vec<Vec3>) = bodies.into_iter().unzip();
         let other = |expected, found| Err(Error::OtherScene { path: path.clone(), expected, found });
         if bodies.len() != table.len() {
             return other(format!("{} bodies", table.len()), bodies.len().to_string());
@@ -47,10 +55,12 @@ impl Inventory {
             kinds: bodies.iter().map(|body| body.kind).collect(),
             shape_of: bodies.iter().map(|body| body.shape as u32).collect(),
             material_of: bodies.iter().map(|body| body.material as u32).collect(),
+            sensors: bodies.iter().map(|body| body.sensor).collect(),
+            centers,
         })
     }
 
-    /// Rows of the bodies that nobody moves.
+    /// Rows of the bodies that nobody moves. Sensors are in neither list.
     pub fn fixed(&self) -> Vec<u32> {
         self.rows(|kind| kind == Kind::Static)
     }
@@ -61,6 +71,7 @@ impl Inventory {
     }
 
     fn rows(&self, wanted: impl Fn(Kind) -> bool) -> Vec<u32> {
-        (0_u32..).zip(&self.kinds).filter(|(_, kind)| wanted(**kind)).map(|(row, _)| row).collect()
+        let bodies = (0_u32..).zip(self.kinds.iter().zip(&self.sensors));
+        bodies.filter(|(_, (kind, sensor))| wanted(**kind) && !**sensor).map(|(row, _)| row).collect()
     }
 }

@@ -6,7 +6,7 @@
 use crate::moment::Timed;
 use crate::{Error, Ids, Inventory, Moment, Run};
 use rayon::prelude::*;
-use rockfall_cache::Poses;
+use rockfall_cache::{Poses, Values, Velocities};
 use std::collections::BTreeSet;
 use std::collections::btree_map::{BTreeMap, Entry};
 
@@ -16,13 +16,24 @@ const WINDOW: usize = 1 << 19;
 /// Frames in a window, at most.
 const WINDOW_FRAMES: usize = 256;
 
-/// Whether a format wants to know how bodies move.
+/// What a format wants to know of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// Velocities, which take the neighbours of a frame.
-    Wanted,
-    /// Poses alone.
-    Unwanted,
+pub enum Detail {
+    /// Where they are.
+    Poses,
+    /// Also how they move.
+    Motion,
+    /// Also the columns that the run has of its own.
+    All,
+}
+
+/// What was read of a frame.
+#[derive(Debug)]
+struct Read {
+    poses: Poses,
+    /// Where the run has them and somebody wants them.
+    velocities: Option<Velocities>,
+    columns: Vec<Values>,
 }
 
 /// Somebody who sees how far an export is and may stop it.
@@ -90,23 +101,30 @@ impl<'a> Job<'a> {
     pub fn stream<T: Send>(
         &self,
         rows: &[u32],
-        motion: Motion,
+        detail: Detail,
         encode: impl Fn(Moment) -> Result<T, Error> + Sync,
         mut write: impl FnMut(T) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let mut poses = BTreeMap::new();
+        let mut read = BTreeMap::new();
+        // The scene alone says where in its shape a body's centre of mass is, of which velocities are stored.
+        let stored = detail != Detail::Poses && self.run.has_velocities();
+        let centers = if stored { &self.inventory()?.centers[..] } else { &[] };
         for window in self.frames.chunks(self.window()) {
-            self.read(window, motion, &mut poses)?;
+            self.read(window, detail, stored, &mut read)?;
             let timed = |frame: u64| -> Option<Timed<'_>> {
-                Some((*self.run.times().get(frame as usize)?, poses.get(&frame)?))
+                Some((*self.run.times().get(frame as usize)?, &read.get(&frame)?.poses))
             };
             let encoded: Vec<Result<T, Error>> = window
                 .par_iter()
                 .filter_map(|&frame| {
                     let mut moment = Moment::still(frame, timed(frame)?, rows);
-                    if motion == Motion::Wanted {
-                        moment.move_by(frame.checked_sub(1).and_then(timed), timed(frame + 1));
+                    let Read { velocities, columns, .. } = read.get(&frame)?;
+                    match velocities {
+                        _ if detail == Detail::Poses => {}
+                        Some(velocities) => moment.move_with(velocities, centers),
+                        None => moment.move_by(frame.checked_sub(1).and_then(timed), timed(frame + 1)),
                     }
+                    moment.columns = columns.iter().map(|values| values.of_rows(&moment.rows)).collect();
                     Some(encode(moment))
                 })
                 .collect();
@@ -127,19 +145,26 @@ impl<'a> Job<'a> {
         fit.clamp(rayon::current_num_threads(), WINDOW_FRAMES.max(rayon::current_num_threads()))
     }
 
-    /// Makes `poses` those of some frames, and of their neighbours where motion is wanted. Frames are read in their order, which is what costs the store
-    /// least, and no frame is read twice.
-    fn read(&self, frames: &[u64], motion: Motion, poses: &mut BTreeMap<u64, Poses>) -> Result<(), Error> {
-        let around = |frame: u64| match motion {
-            Motion::Unwanted => frame..=frame,
-            Motion::Wanted => frame.saturating_sub(1)..=frame + 1,
-        };
+    /// Makes `read` what there is of some frames, and of their neighbours where motion is wanted and not `stored`. Frames are read in their order, which
+    /// is what costs the store least, and no frame is read twice.
+    fn read(
+        &self,
+        frames: &[u64],
+        detail: Detail,
+        stored: bool,
+        read: &mut BTreeMap<u64, Read>,
+    ) -> Result<(), Error> {
+        let alone = detail == Detail::Poses || stored;
+        let around = |frame: u64| if alone { frame..=frame } else { frame.saturating_sub(1)..=frame + 1 };
         let there = |frame: &u64| *frame < self.run.frames();
         let needed: BTreeSet<u64> = frames.iter().flat_map(|&frame| around(frame)).filter(there).collect();
-        poses.retain(|frame, _| needed.contains(frame));
+        read.retain(|frame, _| needed.contains(frame));
         for frame in needed {
-            if let Entry::Vacant(place) = poses.entry(frame) {
-                place.insert(self.run.poses(frame)?);
+            if let Entry::Vacant(place) = read.entry(frame) {
+                let poses = self.run.poses(frame)?;
+                let velocities = if stored { self.run.velocities(frame)? } else { None };
+                let columns = if detail == Detail::All { self.run.values(frame)? } else { Vec::new() };
+                place.insert(Read { poses, velocities, columns });
             }
         }
         Ok(())

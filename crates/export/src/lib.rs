@@ -44,7 +44,7 @@ pub use export::{Done, Options, export};
 pub use format::{Format, Makes};
 pub use glb::{Glb, MOST_ANIMATED};
 pub use inventory::Inventory;
-pub use job::{Job, Motion, Watch};
+pub use job::{Detail, Job, Watch};
 pub use moment::Moment;
 pub use run::Run;
 pub use select::{Frames, Ids};

@@ -1,12 +1,12 @@
 //! Where bodies are at a frame, and how they move.
 //!
-//! The store has poses. A velocity is the mean over the step that led to the frame: the difference of two poses by the difference of their times. Of a
-//! body that has just come it is the mean over the step that follows; of one that is there at a single frame it is zero. So the velocity is that of the
-//! frame of the shape, whose position the store has, and not that of the centre of mass; and where positions are in the hundreds of metres their last bit
-//! of single precision, some 0.03 mm, makes some 2 mm/s at 60 frames per second.
+//! Where the run has velocities, they are those of the frame: at that moment, moved from the centre of mass to the frame of the shape, whose position the
+//! store has. Where it has poses alone, a velocity is the mean over the step that led to the frame: the difference of two poses by the difference of their times. Of a
+//! body that has just come it is the mean over the step that follows; of one that is there at a single frame it is zero. Where positions are in the hundreds
+//! of metres their last bit of single precision, some 0.03 mm, makes some 2 mm/s at 60 frames per second.
 
-use rockfall_cache::Poses;
-use rockfall_math::{Quat, Vec3, rotation, trig};
+use rockfall_cache::{Poses, Values, Velocities, mean_velocities};
+use rockfall_math::{Quat, Vec3, rotation::rotate};
 
 /// Bodies at a frame: those that are there, of those that were asked for. All columns have a row for each of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +25,8 @@ pub struct Moment {
     pub velocities: Vec<[f32; 3]>,
     /// Angular velocities, rad/s, world axes. Empty where nobody asked for motion.
     pub spins: Vec<[f32; 3]>,
+    /// The columns of the run ([`Run::columns`](crate::Run::columns)). Empty where nobody asked for them.
+    pub columns: Vec<Values>,
 }
 
 /// Poses at a frame of the run, in the order of its table, and their time.
@@ -35,7 +37,7 @@ impl Moment {
     pub(crate) fn still(frame: u64, (time, poses): Timed<'_>, rows: &[u32]) -> Self {
         let mut moment = Moment { frame, time, ..Moment::default() };
         for &row in rows {
-            if let Some((position, rotation)) = pose(poses, row) {
+            if let Some((position, rotation)) = poses.at(row as usize) {
                 moment.rows.push(row);
                 moment.positions.push(position.to_array());
                 moment.rotations.push(rotation.to_array());
@@ -50,51 +52,34 @@ impl Moment {
             let here = (self.time, Vec3::from_array(*position), Quat::from_array(*rotation));
             let other = |at: Option<Timed<'_>>| {
                 let (time, poses) = at?;
-                let (position, rotation) = pose(poses, row)?;
+                let (position, rotation) = poses.at(row as usize)?;
                 Some((time, position, rotation))
             };
             let (velocity, spin) = match (other(before), other(after)) {
-                (Some(before), _) => mean(before, here),
-                (None, Some(after)) => mean(here, after),
+                (Some(before), _) => mean_velocities(before, here),
+                (None, Some(after)) => mean_velocities(here, after),
                 (None, None) => (Vec3::ZERO, Vec3::ZERO),
             };
             self.velocities.push(velocity.to_array());
             self.spins.push(spin.to_array());
         }
     }
-}
 
-/// Position and rotation of a body that is there.
-fn pose(poses: &Poses, row: u32) -> Option<(Vec3, Quat)> {
-    let row = row as usize;
-    let position = Vec3::from_slice(poses.positions.get(3 * row..3 * row + 3)?);
-    let rotation = Quat::from_slice(poses.orientations.get(4 * row..4 * row + 4)?);
-    position.is_finite().then_some((position, rotation))
-}
-
-/// Mean velocity and angular velocity between two poses at two times.
-fn mean(from: (f64, Vec3, Quat), to: (f64, Vec3, Quat)) -> (Vec3, Vec3) {
-    let rate = 1.0 / (to.0 - from.0) as f32;
-    // Two equal times: a store that says so is damaged; no number that follows from it makes sense.
-    if !rate.is_finite() {
-        return (Vec3::ZERO, Vec3::ZERO);
+    /// Adds the motion that the run has, of centres of mass, which lie at `centers` in the frames of the shapes.
+    pub(crate) fn move_with(&mut self, velocities: &Velocities, centers: &[Vec3]) {
+        for (&row, rotation) in self.rows.iter().zip(&self.rotations) {
+            let (velocity, spin) = velocities.at(row as usize).unwrap_or_default();
+            let arm = rotate(Quat::from_array(*rotation), centers[row as usize]);
+            self.velocities.push((velocity - spin.cross(arm)).to_array());
+            self.spins.push(spin.to_array());
+        }
     }
-    let turn = rotation::compose(to.2, rotation::inverse(from.2));
-    ((to.1 - from.1) * rate, rotation_vector(turn) * rate)
-}
-
-/// The axis of a rotation times its angle, radians, the short way round.
-fn rotation_vector(q: Quat) -> Vec3 {
-    let (axis, w) = if q.w < 0.0 { (-q.xyz(), -q.w) } else { (q.xyz(), q.w) };
-    let sine = axis.length();
-    // Where the sine of half the angle vanishes, so does its difference from the angle.
-    let factor = if sine > 1e-12 { 2.0 * trig::atan2(sine, w) / sine } else { 2.0 };
-    axis * factor
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockfall_math::rotation;
 
     fn poses(bodies: &[Option<(Vec3, Quat)>]) -> Poses {
         let absent = (Vec3::NAN, Quat::NAN);
@@ -132,9 +117,19 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_vector_is_the_inverse_of_the_exponential_map() {
-        for v in [Vec3::ZERO, Vec3::X * 1e-9, Vec3::new(0.1, -0.2, 0.3), Vec3::Y * 3.1, Vec3::Z * -2.0] {
-            assert!((rotation_vector(rotation::from_rotation_vector(v)) - v).length() < 2e-6, "{v}");
-        }
+    fn stored_motion_is_moved_from_the_centre_of_mass_to_the_frame_of_the_shape() {
+        // A quarter of a turn about z takes the arm from x to y.
+        let quarter = Quat::from_xyzw(0.0, 0.0, 0.5_f32.sqrt(), 0.5_f32.sqrt());
+        let here = poses(&[None, Some((Vec3::ONE, quarter))]);
+        let velocities = Velocities {
+            linear: vec![f32::NAN, f32::NAN, f32::NAN, 1.0, 0.0, 0.0],
+            angular: vec![0.0, 0.0, 0.0, 0.0, 0.0, 2.0],
+        };
+        let mut moment = Moment::still(0, (0.0, &here), &[0, 1]);
+        moment.move_with(&velocities, &[Vec3::ZERO, 0.5 * Vec3::X]);
+        let [[x, y, z]] = moment.velocities[..] else { panic!("one body is there") };
+        // The frame's origin lies half a metre below the centre of mass, and is faster by 2 rad/s times that.
+        assert!((Vec3::new(x, y, z) - Vec3::new(2.0, 0.0, 0.0)).length() < 1e-6);
+        assert_eq!(moment.spins, [[0.0, 0.0, 2.0]]);
     }
 }

@@ -4,7 +4,7 @@
 //! are encoded beside each other. The library's interface to single columns serves without its Arrow arrays, which are most of what it depends on.
 
 use crate::columns::{COLUMNS, Column};
-use crate::{Error, Format, Ids, Job, Makes, Moment, Motion, Run};
+use crate::{Detail, Error, Format, Ids, Job, Makes, Moment, Run};
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
 use parquet::data_type::ByteArray;
@@ -53,10 +53,10 @@ impl Format for Parquet {
                 file.add(moment)?;
                 file.finish()
             };
-            return job.stream(&rows, Motion::Wanted, one, Ok);
+            return job.stream(&rows, Detail::Motion, one, Ok);
         }
         let mut file = Table::create(job.run(), to)?;
-        job.stream(&rows, Motion::Wanted, Ok, |moment| file.add(moment))?;
+        job.stream(&rows, Detail::Motion, Ok, |moment| file.add(moment))?;
         file.finish()
     }
 }

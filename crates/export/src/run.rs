@@ -1,7 +1,7 @@
 //! The run that is exported.
 
 use crate::{Error, Inventory};
-use rockfall_cache::{BodyTable, Poses, RunReader, Summary};
+use rockfall_cache::{BodyTable, Column, ColumnReader, Poses, RunReader, Summary, Values, Velocities};
 use rockfall_math::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -14,6 +14,9 @@ pub struct Run {
     bodies: BodyTable,
     times: Vec<f64>,
     origin: DVec3,
+    has_velocities: bool,
+    columns: Vec<Column>,
+    readers: Vec<ColumnReader>,
     inventory: OnceLock<Inventory>,
 }
 
@@ -28,7 +31,19 @@ impl Run {
         if times.is_empty() {
             return Err(Error::NoFrames(path.to_owned()));
         }
-        Ok(Run { path: path.to_owned(), reader, bodies, times, origin, inventory: OnceLock::new() })
+        let (has_velocities, columns) = (reader.has_velocities()?, reader.columns()?);
+        let readers = columns.iter().map(|column| reader.column(column)).collect::<Result<_, _>>()?;
+        Ok(Run {
+            path: path.to_owned(),
+            reader,
+            bodies,
+            times,
+            origin,
+            has_velocities,
+            columns,
+            readers,
+            inventory: OnceLock::new(),
+        })
     }
 
     /// Its folder.
@@ -67,6 +82,32 @@ impl Run {
     /// Those of [`RunReader::poses`].
     pub fn poses(&self, frame: u64) -> Result<Poses, Error> {
         Ok(self.reader.poses(frame)?)
+    }
+
+    /// Whether it has velocities beside poses.
+    pub fn has_velocities(&self) -> bool {
+        self.has_velocities
+    }
+
+    /// The velocities at a frame, as they are stored; `None` in a run without.
+    ///
+    /// # Errors
+    /// Those of [`RunReader::velocities`].
+    pub fn velocities(&self, frame: u64) -> Result<Option<Velocities>, Error> {
+        Ok(self.reader.velocities(frame)?)
+    }
+
+    /// The columns that it has of its own.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Their values at a frame.
+    ///
+    /// # Errors
+    /// Those of [`ColumnReader::at`].
+    pub fn values(&self, frame: u64) -> Result<Vec<Values>, Error> {
+        self.readers.iter().map(|reader| Ok(reader.at(frame)?)).collect()
     }
 
     /// What the bodies look like. Made when it is first asked for, since the scene has to be laid out for it.

@@ -5,7 +5,7 @@
 //! | `/World` | everything; its translation is the run's origin |
 //! | `/World/Bodies` | the PointInstancer: ids, positions and orientations |
 //! | `/World/Bodies/Prototypes` | a mesh for each shape in each colour |
-//! | `/World/Static` | a mesh for each body that nobody moves |
+//! | `/World/Static` | a mesh for each body that nobody moves; a PointInstancer for those of which many look alike |
 //! | `/World/Looks` | a material for each colour |
 //!
 //! Time codes are numbers of frames. A small run is one file. A large one is a folder with value clips: `scene.usdc`, the one to open, names files that hold some
@@ -17,13 +17,14 @@
 
 mod clips;
 mod crowd;
+mod fixed;
 mod look;
 mod mesh;
 mod names;
 mod stage;
 
 use crate::prototypes::Prototypes;
-use crate::{Error, Format, Job, Makes, Motion};
+use crate::{Detail, Error, Format, Job, Makes};
 use clips::Clips;
 use crowd::Crowd;
 use rockfall_usd::Writer;
@@ -71,7 +72,7 @@ impl Usd {
         crowd: &mut Crowd,
         mut write: impl FnMut(&Crowd) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let motion = if self.velocities { Motion::Wanted } else { Motion::Unwanted };
+        let motion = if self.velocities { Detail::Motion } else { Detail::Poses };
         let encode = |moment| Ok(self.columns(moment));
         job.stream(rows, motion, encode, |columns| {
             crowd.move_to(columns);

@@ -14,7 +14,7 @@ mod file;
 mod meshes;
 
 use crate::prototypes::Prototypes;
-use crate::{Error, Format, Job, Makes, Moment, Motion};
+use crate::{Detail, Error, Format, Job, Makes, Moment};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -68,7 +68,8 @@ impl Format for Vtp {
         let mut list = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n",
         );
-        job.stream(&moving, Motion::Wanted, one, |(time, name)| {
+        let detail = if self.meshes { Detail::Motion } else { Detail::All };
+        job.stream(&moving, detail, one, |(time, name)| {
             // Writing to a string cannot fail.
             let _ = writeln!(list, "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{name}\"/>");
             Ok(())

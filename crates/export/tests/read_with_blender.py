@@ -2,7 +2,7 @@
 
 Usage: read_with_blender.py RUN FILE FRAMES
 
-FILE is the one to open, FRAMES are the numbers that were exported, with commas between.
+FILE is the one to open, FRAMES are the numbers that were exported, with commas between. Bodies with ids from 6000 on are static, and all but two of them are instances.
 """
 
 import sys
@@ -12,7 +12,9 @@ import bpy
 import numpy as np
 import zarr
 
-STATIC = [1, 2, 3]
+STATIC = {1: "Body_1", 2: "Body_2", 3: "post"}
+SINGLE = {6001: "Body_6001", 6003: "Instances_2"}
+CROWD = 6000
 
 
 def matrices(positions: np.ndarray, turns: np.ndarray) -> np.ndarray:
@@ -37,7 +39,10 @@ def main(run_path: Path, file: str, frames: list[int]) -> None:
     run = zarr.open_group(run_path / "trajectory.zarr", mode="r")
     origin = np.array(run.attrs["origin"])
     ids, shapes = run["id"][:], run["shape"][:]
-    moving, fixed = ~np.isin(ids, STATIC), np.isin(ids, STATIC)
+    names_of_fixed = STATIC | SINGLE
+    fixed = np.isin(ids, list(names_of_fixed))
+    crowd = (ids >= CROWD) & ~fixed
+    moving = ~fixed & ~crowd
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     assert bpy.ops.wm.usd_import(filepath=file) == {"FINISHED"}
@@ -48,25 +53,36 @@ def main(run_path: Path, file: str, frames: list[int]) -> None:
         if object.type == "MESH":
             (material,) = object.data.materials
             colors.add(tuple(material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value))
-    assert len(colors) == 5, colors
+    assert len(colors) == (6 if crowd.any() else 5), colors
 
     for frame in frames:
         scene.frame_set(frame)
-        names, found, still = [], [], []
+        names, found, still, alike = [], [], [], []
         for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-            if instance.is_instance:
+            if instance.is_instance and instance.parent.name.startswith("Instances"):
+                alike.append(np.array(instance.matrix_world))
+            elif instance.is_instance:
                 names.append(int(instance.instance_object.name.split("_")[1]))
                 found.append(np.array(instance.matrix_world))
             elif instance.object.type == "MESH" and instance.object.parent.name == "Static":
-                still.append(np.array(instance.matrix_world))
+                still.append((instance.object.name, np.array(instance.matrix_world)))
         position, turn = run["position"][frame], run["orientation"][frame]
         there = ~np.isnan(position[:, 0])
         rows = np.flatnonzero(there & moving)
         assert names == list(shapes[rows]), (frame, len(names), len(rows))
         compare(np.array(found), matrices(position[rows], turn[rows]), origin)
-        if len(still) != len(STATIC):
-            raise AssertionError(f"{len(still)} static bodies")
-        compare(np.array(still), matrices(position[fixed], turn[fixed]), origin)
+        if len(still) != fixed.sum() or len(alike) != crowd.sum():
+            raise AssertionError(f"{len(still)} and {len(alike)} static bodies")
+        # Blender has objects by their names.
+        places = dict(still)
+        still = np.array([places[names_of_fixed[id]] for id in ids[fixed]])
+        compare(still, matrices(position[fixed], turn[fixed]), origin)
+        if alike:
+            # Those of one look follow those of another; places tell who is who.
+            want = matrices(position[crowd], turn[crowd])
+            nearest = [np.abs(want[:, :3, 3] + origin - one[:3, 3]).sum(1).argmin() for one in alike]
+            assert sorted(nearest) == list(range(len(alike)))
+            compare(np.array(alike), want[nearest], origin)
     print(f"{len(frames)} frames of {len(ids)} bodies are equal")
 
 

@@ -2,7 +2,10 @@
 //!
 //! Nothing may take longer than [`PATIENCE`]: what does not end is stopped with the number of its input.
 
-use rockfall_cache::{BodyTable, FORMAT, Frame, RunFolder, RunWriter, Summary, VERSION};
+use rockfall_cache::{
+    BodyTable, Column, Contacts, Contents, Event, EventKind, FORMAT, Frame, NumberType, RunFolder, RunWriter,
+    START, STATE, Start, State, Summary, VERSION, Values, WantedContacts, WantedEvents,
+};
 use rockfall_fuzz::{
     MESH_FILES, checkpoint, good_checkpoint, hull, mesh, mesh_file, pair, run_folder, scene,
 };
@@ -206,7 +209,20 @@ fn write_run(path: &Path) {
         ..Summary::default()
     };
     let folder = RunFolder::at(path, false).expect("a folder");
-    let mut writer = RunWriter::create(&folder, "seed = 1\n", &summary, &table, DVec3::ZERO).expect("a run");
+    let column = Column {
+        name: "heat".into(),
+        numbers: NumberType::U32,
+        units: "1".into(),
+        description: String::new(),
+    };
+    let contents = Contents {
+        velocities: true,
+        contacts: Some(WantedContacts { every: 1, force: 0.0 }),
+        events: Some(WantedEvents::All),
+        columns: vec![column],
+        ..Contents::default()
+    };
+    let mut writer = RunWriter::create(&folder, "seed = 1\n", &summary, &table, contents).expect("a run");
     for frame in 0..5_u32 {
         let mut poses = writer.buffer();
         let ids: Vec<_> = (0..3).map(rockfall::BodyId).collect();
@@ -216,13 +232,25 @@ fn write_run(path: &Path) {
             .push(Frame {
                 time: f64::from(frame),
                 poses,
-                report: None,
-                hash: None,
-                velocities: Default::default(),
+                contacts: Contacts {
+                    a: vec![0],
+                    b: vec![1],
+                    positions: vec![[0.0; 3]],
+                    normals: vec![[1.0, 0.0, 0.0]],
+                    distances: vec![-0.5],
+                    forces: vec![2.0],
+                },
+                events: vec![Event { kind: EventKind::Begun, a: 0, b: 1 }],
+                columns: vec![Values::U32(vec![frame; 3])],
+                ..Frame::default()
             })
             .expect("a frame");
     }
     writer.sync().expect("all frames");
+    let (ids, poses, velocities) = (vec![7], vec![Pose::default()], vec![Default::default()]);
+    let state = State { ids, poses, velocities, ..State::default() };
+    state.write(&path.join(STATE)).expect("a state");
+    Start { last_id: 7, state, ..Start::default() }.write(&path.join(START)).expect("a start");
 }
 
 /// Every file of a run with a few changes.

@@ -72,6 +72,12 @@ locks = ["ry"]
                  never moves. Dynamic where not given, but static for a half-space, mesh or height field, and for a compound \
                  with one.",
             ),
+            key(
+                "sensor",
+                Ty::Bool,
+                "false",
+                "It collides with nothing; the run tells which dynamic and kinematic bodies come into it and leave it. Static where `kind` is not given.",
+            ),
             optional(
                 "id",
                 Ty::Int(1, i64::MAX as u64),
@@ -108,6 +114,7 @@ pub(crate) struct Template {
     pub(crate) linear_damping: f32,
     pub(crate) angular_damping: f32,
     pub(crate) locks: Locks,
+    pub(crate) sensor: bool,
     pub(crate) mass: Option<MassOverride>,
 }
 
@@ -125,6 +132,7 @@ impl Template {
             linear_damping: 0.0,
             angular_damping: 0.0,
             locks: Locks::default(),
+            sensor: false,
             mass: None,
         }
     }
@@ -155,7 +163,8 @@ impl Template {
             "kinematic" => Kind::Kinematic,
             _ => Kind::Dynamic,
         };
-        Ok(Template { kind, mass: mass(table)?, ..Template::moving(table, material) })
+        let sensor = table.bool("sensor");
+        Ok(Template { kind, sensor, mass: mass(table)?, ..Template::moving(table, material) })
     }
 }
 

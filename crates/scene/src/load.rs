@@ -143,7 +143,7 @@ fn read(path: &Path) -> Result<String, (String, &'static str)> {
     })
 }
 
-/// Later files add to earlier ones; keys of `[world]` and `[output]` that they give win.
+/// Later files add to earlier ones; keys of `[world]`, `[output]` and `[start]` that they give win.
 fn merge(roots: Vec<Table>, problems: &mut Vec<Problem>) -> Option<Table> {
     let mut roots = roots.into_iter();
     let mut all = roots.next()?;
@@ -203,9 +203,9 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
             Err(problem) => problems.push(problem),
         }
     }
-    if root.list("bodies").is_empty() && root.list("generators").is_empty() {
+    if root.list("bodies").is_empty() && root.list("generators").is_empty() && !root.has("start") {
         let problem = Problem::at(root.span, "the scene has no bodies");
-        problems.push(problem.expecting("`[[bodies]]` or `[[generators]]`"));
+        problems.push(problem.expecting("`[[bodies]]`, `[[generators]]` or `[start]`"));
     }
     add_default_material(root);
     references(root, problems);
@@ -226,20 +226,25 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     unique(root, "name", problems);
 }
 
-/// Makes the paths of mesh files independent of the folder, so that a scene equals its filled text.
+/// Makes the paths of mesh files and of the run in `[start]` independent of the folder, so that a scene equals its filled text.
 fn absolute_paths(root: &mut Table, sources: &Sources) {
-    let shapes = root.entries.iter_mut().find(|(k, _)| *k == "shapes");
-    let Some((_, Node { value: Value::Named(shapes), .. })) = shapes else { return };
-    for (_, shape) in shapes {
-        let Value::Table(shape) = &mut shape.value else { continue };
-        let Some((_, file)) = shape.entries.iter_mut().find(|(k, _)| *k == "file") else { continue };
+    let absolute = |table: &mut Table, key: &str| {
+        let Some((_, file)) = table.entries.iter_mut().find(|(k, _)| *k == key) else { return };
         let path = sources.get(file.span).base.join(file.value.text());
         let path = std::path::absolute(&path).unwrap_or(path);
         file.value = Value::Text(path.display().to_string());
+    };
+    edit(root, "start", |start| absolute(start, "run"));
+    let shapes = root.entries.iter_mut().find(|(k, _)| *k == "shapes");
+    let Some((_, Node { value: Value::Named(shapes), .. })) = shapes else { return };
+    for (_, shape) in shapes {
+        if let Value::Table(shape) = &mut shape.value {
+            absolute(shape, "file");
+        }
     }
 }
 
-/// Changes one of the scene's tables, `world` or `output`.
+/// Changes one of the scene's tables: `world`, `output` or `start`.
 pub(crate) fn edit(root: &mut Table, name: &str, edit: impl FnOnce(&mut Table)) {
     let table = root.entries.iter_mut().find(|(k, _)| *k == name);
     if let Some((_, Node { value: Value::Table(table), .. })) = table {
@@ -319,7 +324,7 @@ fn kinds_of_bodies(root: &mut Table, nesting: &Nesting, problems: &mut Vec<Probl
             problems.push(Problem::at(body.span_of("member"), message).expecting(expected));
         }
         if !body.has("kind") {
-            let word = if immovable { "static" } else { "dynamic" };
+            let word = if immovable || body.bool("sensor") { "static" } else { "dynamic" };
             body.set("kind", Value::Text(word.to_owned()));
         } else if immovable && body.text("kind") == "dynamic" {
             let message = format!("`{}` is dynamic, but its shape is a {}", body.path, kind.spec.name);

@@ -8,6 +8,7 @@ use crate::rotation::AXIS_DEGREES;
 use crate::shapes::{PART, SHAPES};
 use crate::sizes::SIZES;
 use crate::spec::{Fallback, Spec};
+use crate::start::START;
 use crate::terrain::TERRAIN;
 use std::fmt::Write;
 
@@ -18,6 +19,7 @@ pub fn keys() -> String {
     section(&mut out, "## The file", &ROOT, false);
     section(&mut out, "## `[world]`", &WORLD, false);
     section(&mut out, "## `[output]`", &OUTPUT, false);
+    section(&mut out, "## `[start]`", &START, false);
     section(&mut out, "## `[materials.NAME]`", &MATERIAL, false);
     heading(&mut out, "## `[shapes.NAME]`", "The key `kind` says what it is.");
     for spec in SHAPES.cases {
@@ -113,5 +115,11 @@ mod tests {
         let turned = format!("{shapes}[[bodies]]\nshape = \"ball\"\n{}", super::AXIS_DEGREES.example);
         assert!(Scene::parse(&turned, "rotation", ".").is_ok());
         assert!(Scene::parse(super::ROOT.example, "scene", ".").is_ok());
+        // Right but for the run, which is not there.
+        let start = Scene::parse(super::START.example, "start", ".").unwrap_err();
+        assert!(
+            start.problems().len() == 1 && start.to_string().contains("runs/fill-1 is not a run"),
+            "{start}"
+        );
     }
 }

@@ -18,13 +18,13 @@ pub struct Estimate {
 /// A body in a settled pile with its contacts, bytes.
 const BYTES_PER_BODY: u128 = 2500;
 
-/// Counts what the scene `root` holds.
-pub(crate) fn estimate(root: &Table) -> Estimate {
-    let mut bodies = root.list("bodies").len() as u128;
+/// Counts what the scene `root` holds, with so many bodies and shapes of the run that it starts with.
+pub(crate) fn estimate(root: &Table, bodies: u64, shapes: u64) -> Estimate {
+    let mut bodies = u128::from(bodies) + root.list("bodies").len() as u128;
     for table in root.tables("generators") {
         bodies = bodies.saturating_add((generators::kind_of(table).count)(table));
     }
-    let (mut shapes, mut geometry) = (0, 0u64);
+    let (mut shapes, mut geometry) = (shapes, 0u64);
     for (_, table) in root.named("shapes") {
         let kind = shapes::kind_of(table);
         shapes += (kind.members)(table);

@@ -7,10 +7,12 @@ use crate::node::{Table, Value};
 use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
 use crate::sizes::Sizes;
+use crate::start::Begun;
 use rockfall::{Kind, Material, Shape};
 use rockfall_decompose::{Decomposition, Misfit};
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// What a run knows of a body before it starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +28,8 @@ pub struct BodyRow {
     pub scale: f32,
     /// Who moves it.
     pub kind: Kind,
+    /// Whether it collides with nothing and tells who is in it.
+    pub sensor: bool,
     /// Index of its material among those of the scene.
     pub material: usize,
 }
@@ -38,17 +42,27 @@ pub(crate) struct Plan {
     pub(crate) templates: Vec<Template>,
     /// Bodies that are there from the start: template and place. They have the first rows.
     pub(crate) placed: Vec<(u32, Pose)>,
+    /// Velocities of those that go on from another run, m/s and rad/s. They are the first ones of all.
+    pub(crate) motions: Vec<(Vec3, Vec3)>,
     pub(crate) pours: Vec<Pour>,
     /// All bodies, also those that are poured later.
     pub(crate) rows: Vec<BodyRow>,
+    /// Rows of the generators that have a name.
+    pub(crate) made: Vec<(String, Range<usize>)>,
 }
 
 impl Plan {
+    /// The template of the body in a row.
+    pub(crate) fn template_of(&self, row: usize) -> u32 {
+        let poured = || self.pours.iter().find(|pour| pour.rows.contains(&row)).map(|pour| pour.template);
+        self.placed.get(row).map(|(template, _)| *template).or_else(poured).unwrap_or(0)
+    }
+
     /// The row of a body that has no id yet.
     fn row(&self, template: u32, shape: u32, scale: f32) -> BodyRow {
         let template = &self.templates[template as usize];
-        let (kind, material) = (template.kind, template.material as usize);
-        BodyRow { id: 0, name: None, shape: shape as usize, scale, kind, material }
+        let (kind, sensor, material) = (template.kind, template.sensor, template.material as usize);
+        BodyRow { id: 0, name: None, shape: shape as usize, scale, kind, sensor, material }
     }
 }
 
@@ -70,11 +84,13 @@ pub(crate) struct Yard<'a> {
     /// The ball around each shape in use.
     balls: Vec<(Vec3, f32)>,
     pours: Vec<(Pour, Vec<(u32, f32)>)>,
+    /// The pours of the generators that have a name.
+    named_pours: Vec<(String, Range<usize>)>,
     plan: Plan,
 }
 
-/// Lays out the scene `root`.
-pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
+/// Lays out the scene `root`, which starts with the bodies `begun`.
+pub(crate) fn plan(root: &Table, seed: u64, begun: Option<&Begun>) -> Result<Plan, Problem> {
     let materials = root.named("materials").map(|(_, table)| crate::root::material(table)).collect();
     let mut yard = Yard {
         seed,
@@ -83,16 +99,24 @@ pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
         known: BTreeMap::new(),
         balls: Vec::new(),
         pours: Vec::new(),
+        named_pours: Vec::new(),
         plan: Plan {
             shapes: Vec::new(),
             materials,
             templates: Vec::new(),
             placed: Vec::new(),
+            motions: Vec::new(),
             pours: Vec::new(),
             rows: Vec::new(),
+            made: Vec::new(),
         },
     };
-    let mut own_ids = BTreeMap::new();
+    let (mut own_ids, mut first_free) = (BTreeMap::new(), 1);
+    if let Some(begun) = begun {
+        yard.go_on(begun);
+        own_ids.extend(yard.plan.rows.iter().map(|row| row.id).enumerate());
+        first_free = begun.start.last_id.saturating_add(1);
+    }
     for table in root.tables("bodies") {
         let family = yard.family(table, "shape")?;
         let shape = yard.sized(family, table.int("member") as usize, 1.0, table)?;
@@ -114,9 +138,15 @@ pub(crate) fn plan(root: &Table, seed: u64) -> Result<Plan, Problem> {
             "" => format!("generators.{number}"),
             name => format!("generators.{name}"),
         };
+        let before = (yard.plan.rows.len(), yard.pours.len());
         (generators::kind_of(table).place)(table, &label, &mut yard)?;
+        if !table.text("name").is_empty() {
+            let name = || table.text("name").to_owned();
+            yard.plan.made.push((name(), before.0..yard.plan.rows.len()));
+            yard.named_pours.push((name(), before.1..yard.pours.len()));
+        }
     }
-    Ok(yard.finish(&own_ids))
+    Ok(yard.finish(&own_ids, first_free))
 }
 
 /// How a mesh of the scene was cut into hulls.
@@ -143,6 +173,20 @@ pub(crate) fn cuts(root: &Table, seed: u64) -> Result<Vec<Cut>, Problem> {
 }
 
 impl Yard<'_> {
+    /// Adds the bodies of another run, before all others.
+    fn go_on(&mut self, begun: &Begun) {
+        let Plan { shapes, materials, templates, placed, motions, rows, .. } = &mut self.plan;
+        self.balls.extend(begun.shapes.iter().map(|shape| bounding_ball(shape).unwrap_or_default()));
+        shapes.extend_from_slice(&begun.shapes);
+        materials.extend(begun.materials.iter().map(|(_, material)| *material));
+        templates.extend_from_slice(&begun.templates);
+        for body in &begun.bodies {
+            rows.push(body.row.clone());
+            placed.push((body.template, body.pose));
+            motions.push(body.motion);
+        }
+    }
+
     /// The material that `table` names.
     pub(crate) fn material(&self, table: &Table) -> u32 {
         let name = table.text("material");
@@ -268,9 +312,9 @@ impl Yard<'_> {
         self.pours.push((pour, drawn));
     }
 
-    /// Gives rows to what is poured, and ids to all.
-    fn finish(self, own_ids: &BTreeMap<usize, u64>) -> Plan {
-        let Yard { mut plan, pours, .. } = self;
+    /// Gives rows to what is poured, and ids to all: their own, or those from `first_free` on that are not taken.
+    fn finish(self, own_ids: &BTreeMap<usize, u64>, first_free: u64) -> Plan {
+        let Yard { mut plan, pours, named_pours, .. } = self;
         for (mut pour, drawn) in pours {
             let first = plan.rows.len();
             let rows: Vec<BodyRow> =
@@ -279,8 +323,12 @@ impl Yard<'_> {
             pour.rows = first..plan.rows.len();
             plan.pours.push(pour);
         }
+        for (name, pours) in named_pours {
+            let rows = plan.pours[pours].iter().map(|pour| (name.clone(), pour.rows.clone()));
+            plan.made.extend(rows.collect::<Vec<_>>());
+        }
         let taken: BTreeSet<u64> = own_ids.values().copied().collect();
-        let mut free = (1..).filter(|id| !taken.contains(id));
+        let mut free = (first_free..=u64::MAX).filter(|id| !taken.contains(id));
         for (index, row) in plan.rows.iter_mut().enumerate() {
             row.id = own_ids.get(&index).copied().or_else(|| free.next()).unwrap_or(0);
         }

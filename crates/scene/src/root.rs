@@ -6,6 +6,7 @@ use crate::generators::GENERATORS;
 use crate::node::Table;
 use crate::shapes::SHAPES;
 use crate::spec::{ANY, Kinds, NOT_NEGATIVE, POSITIVE, Range, SHARE, Spec, Ty, key, optional};
+use crate::start::START;
 use rockfall::{Material, Mix, Settings, Solver};
 
 /// A scene file.
@@ -26,11 +27,12 @@ position = [0, 0, 10]
             Ty::Texts,
             "[]",
             "Scene files to read before this one, relative to it. Their materials, shapes, bodies and generators come \
-             first; a key of `[world]` or `[output]` that is set here wins over theirs. A file that is included twice is read \
+             first; a key of `[world]`, `[output]` or `[start]` that is set here wins over theirs. A file that is included twice is read \
              once.",
         ),
         key("world", Ty::Table(&WORLD), "{}", "What holds for the whole scene."),
         key("output", Ty::Table(&OUTPUT), "{}", "What a run writes of each body at each frame."),
+        optional("start", Ty::Table(&START), "A frame of another run to begin with."),
         key(
             "materials",
             Ty::Named(&Ty::Table(&MATERIAL)),
@@ -136,11 +138,35 @@ rotation_error = 0.1
             "Rotations on disk may be off by so much, degrees. As they are, in single precision, where not given.",
         ),
         key("velocities", Ty::Bool, "false", "Velocities are written as well, in single precision."),
+        key(
+            "contacts",
+            Ty::Bool,
+            "false",
+            "Contacts are written as well: points at which surfaces touch or overlap, or which carry a load.",
+        ),
+        key("contacts_every", Ty::Int(1, 1_000_000_000), "1", "Those of every so many frames alone."),
+        key("contacts_force", Ty::Number(NOT_NEGATIVE), "0", "Only those that press at least this much, N."),
+        key(
+            "events",
+            Ty::Choice(EVENTS),
+            "\"sensors\"",
+            "`sensors`: who comes into sensors and leaves them, where the scene has any; `all`: also which bodies begin to touch and cease.",
+        ),
+        key(
+            "columns",
+            Ty::Choices(COLUMNS),
+            "[]",
+            "More of each body at each frame: `speed` of the centre of mass, m/s; `kinetic_energy`, J; `contact_count`, points at which it touches \
+             others; `contact_force`, the sum of the normal forces on it, N; `asleep`, 1 or 0.",
+        ),
     ]],
 };
 
+const EVENTS: &[&str] = &["none", "sensors", "all"];
+const COLUMNS: &[&str] = &["speed", "kinetic_energy", "contact_count", "contact_force", "asleep"];
+
 /// What a run writes of each body at each frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Output {
     /// Positions may be off by so much, metres; as they are where `None`.
     pub position_error: Option<f64>,
@@ -148,6 +174,14 @@ pub struct Output {
     pub rotation_error: Option<f64>,
     /// Velocities are written as well.
     pub velocities: bool,
+    /// Contacts are, of every so many frames and from so much force on, N; none where `None`.
+    pub contacts: Option<(u64, f64)>,
+    /// Events of sensors are.
+    pub sensors: bool,
+    /// So is which bodies begin to touch and cease.
+    pub touches: bool,
+    /// Further columns, by the words of scene files.
+    pub columns: Vec<String>,
 }
 
 /// What `[output]` says.
@@ -157,6 +191,10 @@ pub(crate) fn output(table: &Table) -> Output {
         position_error: bound("position_error"),
         rotation_error: bound("rotation_error"),
         velocities: table.bool("velocities"),
+        contacts: table.bool("contacts").then(|| (table.int("contacts_every"), table.f64("contacts_force"))),
+        sensors: table.text("events") != "none",
+        touches: table.text("events") == "all",
+        columns: table.list("columns").iter().map(|node| node.value.text().to_owned()).collect(),
     }
 }
 

@@ -31,7 +31,7 @@ impl Running {
     /// Sets up the world of a plan.
     pub(crate) fn new(settings: Settings, plan: Plan) -> Result<Self, Error> {
         let mut world = World::new(settings)?;
-        let Plan { shapes, materials, templates, placed, pours, rows } = plan;
+        let Plan { shapes, materials, templates, placed, motions, pours, rows, made: _ } = plan;
         let balls = shapes.iter().map(bounding_ball).collect();
         let shapes: Vec<ShapeId> =
             shapes.into_iter().map(|s| world.add_shape(s)).collect::<Result<_, _>>()?;
@@ -49,7 +49,13 @@ impl Running {
             balls,
             rate: f64::from(settings.rate),
         };
-        let body = |(k, &(template, pose)): (usize, &(u32, Pose))| running.body(k, template, pose);
+        let body = |(k, &(template, pose)): (usize, &(u32, Pose))| {
+            let body = running.body(k, template, pose);
+            match motions.get(k) {
+                Some(&(velocity, angular_velocity)) => Body { velocity, angular_velocity, ..body },
+                None => body,
+            }
+        };
         let bodies: Vec<Body> = placed.iter().enumerate().map(body).collect();
         running.world.spawn_all(bodies)?;
         Ok(running)
@@ -161,7 +167,7 @@ impl Running {
             locks: template.locks,
             group: template.group,
             mask: template.mask,
-            sensor: false,
+            sensor: template.sensor,
             mass: template.mass,
         }
     }

@@ -8,9 +8,13 @@ use crate::plan::{BodyRow, Cut, Plan, cuts, plan};
 use crate::root::Output;
 use crate::running::Running;
 use crate::source::{Source, Sources};
+use crate::start::{Begun, Lookup, center};
 use crate::{root, write};
-use rockfall::{Settings, Shape, Solver};
+use rockfall::{Kind, Settings, Shape, Solver};
+use rockfall_cache::Start;
+use rockfall_math::Vec3;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scene that has been read and checked.
 ///
@@ -42,6 +46,8 @@ pub struct Scene {
     pub output: Output,
     root: Table,
     sources: Sources,
+    /// The bodies that it starts with.
+    begun: Option<Arc<Begun>>,
 }
 
 /// What the bodies of a scene look like.
@@ -53,6 +59,8 @@ pub struct Inventory {
     pub materials: Vec<String>,
     /// All bodies, also those that are poured later; ids ascend unless the scene chose some.
     pub bodies: Vec<BodyRow>,
+    /// The centre of mass of each body in the frame of its shape, metres; zero of one that is not dynamic.
+    pub centers: Vec<Vec3>,
 }
 
 /// Two scenes are equal when they describe the same thing, however it was written.
@@ -70,7 +78,8 @@ impl Scene {
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let mut loader = Loader::default();
         loader.file(path.as_ref(), None);
-        Scene::new(loader)
+        let folder = path.as_ref().parent().unwrap_or(Path::new(""));
+        Scene::new(loader, Lookup::Beside(folder.to_owned()))
     }
 
     /// Reads a scene from a text. `name` is what messages call it; paths in it start at the folder `base`.
@@ -78,18 +87,35 @@ impl Scene {
     /// # Errors
     /// Everything that is wrong with the text and the files that it includes.
     pub fn parse(text: &str, name: &str, base: impl AsRef<Path>) -> Result<Self, SceneError> {
-        let mut loader = Loader::default();
-        loader.text(Source { name: name.to_owned(), text: text.to_owned(), base: base.as_ref().to_owned() });
-        Scene::new(loader)
+        let base = base.as_ref();
+        Scene::parse_with(text, name, base, Lookup::Beside(base.to_owned()))
     }
 
-    fn new(loader: Loader) -> Result<Self, SceneError> {
-        let (root, sources) = loader.finish()?;
+    /// The same, with what it starts with somewhere else.
+    pub(crate) fn parse_with(
+        text: &str,
+        name: &str,
+        base: &Path,
+        lookup: Lookup,
+    ) -> Result<Self, SceneError> {
+        let mut loader = Loader::default();
+        loader.text(Source { name: name.to_owned(), text: text.to_owned(), base: base.to_owned() });
+        Scene::new(loader, lookup)
+    }
+
+    fn new(loader: Loader, lookup: Lookup) -> Result<Self, SceneError> {
+        let (mut root, sources) = loader.finish()?;
+        let begun = root.table("start").map(|table| Begun::read(table, &root, lookup)).transpose();
+        let begun = begun.map_err(|problem| SceneError::one(problem, &sources))?.map(Arc::new);
+        if let Some(begun) = &begun {
+            // That run may go on.
+            load::edit(&mut root, "start", |start| start.set("frame", Value::Int(begun.start.state.frame)));
+        }
         let missing = || SceneError::one(Problem::new("the scene has no `[world]`"), &sources);
         let world = root.table("world").ok_or_else(missing)?;
         let (settings, frames, seed) = (root::settings(world), world.int("frames"), world.int("seed"));
         let output = root.table("output").map(root::output).unwrap_or_default();
-        Ok(Scene { settings, frames, seed, output, root, sources })
+        Ok(Scene { settings, frames, seed, output, root, sources, begun })
     }
 
     /// Another seed: other random numbers.
@@ -139,7 +165,21 @@ impl Scene {
 
     /// What the scene will need, without building it.
     pub fn estimate(&self) -> Estimate {
-        memory::estimate(&self.root)
+        let (bodies, shapes) =
+            self.begun.as_ref().map_or((0, 0), |begun| (begun.bodies.len(), begun.shapes.len()));
+        memory::estimate(&self.root, bodies as u64, shapes as u64)
+    }
+
+    /// The frame of another run that the scene starts with. A run of the scene has to keep it ([`Start::write`]) beside its `scene.toml`.
+    pub fn start(&self) -> Option<&Start> {
+        self.begun.as_ref().map(|begun| &begun.start)
+    }
+
+    /// Names of all materials, those of the run that the scene starts with last.
+    pub(crate) fn materials(&self) -> Vec<String> {
+        let own = self.root.named("materials").map(|(name, _)| name);
+        let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|(name, _)| name.as_str());
+        own.chain(former).map(str::to_owned).collect()
     }
 
     /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
@@ -164,8 +204,16 @@ impl Scene {
     /// Geometry that can't be cooked, a fill that does not fit.
     pub fn inventory(&self) -> Result<Inventory, SceneError> {
         let plan = self.plan_within(None)?;
-        let materials = self.root.named("materials").map(|(name, _)| name.to_owned()).collect();
-        Ok(Inventory { shapes: plan.shapes, materials, bodies: plan.rows })
+        let of_shapes: Vec<Vec3> = plan.shapes.iter().map(center).collect();
+        let center = |(k, body): (usize, &BodyRow)| match body.kind {
+            Kind::Dynamic => {
+                let own = plan.templates[plan.template_of(k) as usize].mass.and_then(|mass| mass.center);
+                own.unwrap_or(of_shapes[body.shape])
+            }
+            Kind::Kinematic | Kind::Static => Vec3::ZERO,
+        };
+        let centers = plan.rows.iter().enumerate().map(center).collect();
+        Ok(Inventory { shapes: plan.shapes, materials: self.materials(), bodies: plan.rows, centers })
     }
 
     /// How the scene's `decomposition` shapes are cut, and how far the hulls are from the meshes. Cuts them, which may take seconds.
@@ -200,7 +248,7 @@ impl Scene {
         self.plan_within(memory::available())
     }
 
-    fn plan_within(&self, available: Option<u64>) -> Result<Plan, SceneError> {
+    pub(crate) fn plan_within(&self, available: Option<u64>) -> Result<Plan, SceneError> {
         let Estimate { bodies, memory, .. } = self.estimate();
         if let Some(available) = available.filter(|&a| memory > a) {
             let message = format!(
@@ -214,6 +262,6 @@ impl Scene {
             };
             return Err(SceneError::one(problem.expecting("fewer bodies"), &self.sources));
         }
-        plan(&self.root, self.seed).map_err(|p| SceneError::one(p, &self.sources))
+        plan(&self.root, self.seed, self.begun.as_deref()).map_err(|p| SceneError::one(p, &self.sources))
     }
 }

@@ -72,6 +72,36 @@ fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
         return sums;
     }
     sums.awake += usize::from(bodies.states[row] == State::Awake);
+    let motion = motion(bodies, row);
+    let Motion { mass, v, spin, .. } = motion;
+    sums.kinetic += motion.energy();
+    sums.potential -=
+        mass * f64::from(bodies.lines[row].gravity_scale()) * gravity.dot(bodies.positions[row]);
+    sums.momentum += v * mass;
+    sums.angular += bodies.positions[row].cross(v * mass) + spin;
+    sums
+}
+
+/// How a dynamic body moves.
+struct Motion {
+    /// kg.
+    mass: f64,
+    /// m/s.
+    v: DVec3,
+    /// rad/s.
+    turning: DVec3,
+    /// Angular momentum about the centre of mass, kg m²/s.
+    spin: DVec3,
+}
+
+impl Motion {
+    /// Joule.
+    fn energy(&self) -> f64 {
+        0.5 * (self.mass * self.v.length_squared() + self.turning.dot(self.spin))
+    }
+}
+
+fn motion(bodies: &Bodies, row: usize) -> Motion {
     let line = &bodies.lines[row];
     let mass = 1.0 / f64::from(line.inverse_mass());
     let v = line.velocity().as_dvec3();
@@ -83,11 +113,12 @@ fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
         let axes = Mat3::from_quat(rotation::compose(bodies.rotations[row], bodies.frames[row])).as_dmat3();
         axes * (axes.transpose() * turning * moments)
     };
-    sums.kinetic += 0.5 * (mass * v.length_squared() + turning.dot(spin));
-    sums.potential -= mass * f64::from(line.gravity_scale()) * gravity.dot(bodies.positions[row]);
-    sums.momentum += v * mass;
-    sums.angular += bodies.positions[row].cross(v * mass) + spin;
-    sums
+    Motion { mass, v, turning, spin }
+}
+
+/// The kinetic energy of a dynamic body, J.
+pub(crate) fn kinetic(bodies: &Bodies, row: usize) -> f64 {
+    motion(bodies, row).energy()
 }
 
 /// Equal for equal states: the sum over all bodies of a hash of id, pose and velocities.

@@ -117,3 +117,15 @@ fn collisions_in_free_space_keep_momentum() {
         assert!(end < 0.95 * start, "nobody met");
     }
 }
+
+#[test]
+fn the_energy_of_all_is_the_sum_of_that_of_each() {
+    let mut stage = Stage::new(frames(), rubs(0.6, 0.0));
+    stage.plane(Vec3::Z);
+    crowd(&mut stage, 3, 9, 2.0);
+    stage.steps(20);
+    let (each, all) = (stage.world.kinetic_energies(), stage.world.report().kinetic_energy);
+    assert_eq!((each.len(), each[0]), (28, 0.0));
+    assert!(each[1..].iter().all(|&energy| energy > 0.0));
+    assert!((each.iter().sum::<f64>() / all - 1.0).abs() < 1e-12);
+}

@@ -1,8 +1,9 @@
 //! Whatever happens to the bytes of a run, it is told, or nothing changes.
 
-use crate::synthetic::{self, bounded};
+use crate::synthetic::{self, everything};
 use rockfall_cache::{
-    BodyTable, Checkpoint, Error, FRAMES, Poses, RunReader, SCENE, Summary, Velocities, checksum, csv,
+    BodyTable, Checkpoint, Contacts, Error, Event, FRAMES, Poses, RunReader, SCENE, START, STATE, Start,
+    State, Summary, Velocities, checksum, csv,
 };
 use rockfall_math::hash::mix;
 use std::fs;
@@ -21,6 +22,10 @@ struct Everything {
     rows: Vec<csv::Row>,
     frames: Vec<(Bits, Bits)>,
     history: Bits,
+    extras: Vec<(Contacts, Vec<Event>)>,
+    columns: String,
+    end: Option<State>,
+    start: Option<Start>,
     checkpoints: Vec<(u64, Vec<(String, u64)>)>,
 }
 
@@ -39,6 +44,20 @@ fn read(path: &Path) -> Result<Everything, Error> {
         Ok((bits([&positions, &orientations]), bits([&linear, &angular])))
     };
     let history = run.history(3)?;
+    let (contacts, events) = (run.contacts()?, run.events()?);
+    let extra = |frame| {
+        let contacts = contacts.as_ref().map(|contacts| contacts.at(frame)).transpose()?;
+        let events = events.as_ref().map(|events| events.at(frame)).transpose()?;
+        Ok((contacts.unwrap_or_default(), events.unwrap_or_default()))
+    };
+    let mut columns = String::new();
+    for column in run.columns()? {
+        let reader = run.column(&column)?;
+        for frame in 0..run.frames()? {
+            // As text, in which NaN equals itself.
+            columns += &format!("{column:?} {:?}", reader.at(frame)?);
+        }
+    }
     let checkpoints = Checkpoint::all(path)?;
     let checkpoints = checkpoints.iter().map(|checkpoint| Ok((checkpoint.frame, checkpoint.verify()?)));
     Ok(Everything {
@@ -51,6 +70,10 @@ fn read(path: &Path) -> Result<Everything, Error> {
         rows: csv::read(&path.join(FRAMES))?,
         frames: (0..run.frames()?).map(frame).collect::<Result<_, Error>>()?,
         history: bits([&history.positions, &history.orientations]),
+        extras: (0..run.frames()?).map(extra).collect::<Result<_, Error>>()?,
+        columns,
+        end: run.end()?,
+        start: Start::read(&path.join(START))?,
         checkpoints: checkpoints.collect::<Result<_, Error>>()?,
     })
 }
@@ -76,15 +99,22 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 fn damage_of_any_file_is_told_or_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let mut refused = 0;
-    for (kind, path) in ["lossless", "bounded"].map(|kind| (kind, folder.path().join(kind))) {
-        if kind == "bounded" {
-            synthetic::write_bounded(&path, 40, 12).unwrap();
+    for (kind, path) in ["lossless", "everything"].map(|kind| (kind, folder.path().join(kind))) {
+        if kind == "everything" {
+            synthetic::write_everything(&path, 40, 12).unwrap();
+            let run = RunReader::open(&path).unwrap();
+            let state = State { hash: 11, ..State::of_run(&run, 11).unwrap() };
+            state.write(&path.join(STATE)).unwrap();
+            let (scene, state) = ("seed = 2\n".to_owned(), State { frame: 5, ..state });
+            let first = Start { run: "first".into(), scene, last_id: 99, state, start: None };
+            let second = Start { run: "second".into(), start: Some(Box::new(first.clone())), ..first };
+            second.write(&path.join(START)).unwrap();
         } else {
             synthetic::write(&path, 40, 12).unwrap();
         }
         Checkpoint::write(&path, 7, |to| to.column("numbers", &[7_u64; 300])).unwrap();
         let whole = read(&path).unwrap();
-        assert_eq!(whole.precision == bounded().precision, kind == "bounded");
+        assert_eq!(whole.precision == everything().precision, kind == "everything");
         let files = files(&path);
         assert!(files.len() >= 20, "{files:?}");
         for file in files {

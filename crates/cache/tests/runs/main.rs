@@ -2,6 +2,7 @@
 
 mod bounded;
 mod corrupt;
+mod extras;
 mod promises;
 mod python;
 mod resume;

@@ -40,6 +40,28 @@ fn zarr_for_python_reads_every_value() {
     }
 }
 
+/// Contacts, events and columns as `docs/run.md` says to read them.
+#[test]
+fn zarr_for_python_reads_contacts_events_and_columns() {
+    let Some(python) = std::env::var_os(PYTHON) else {
+        println!("SKIPPED: {PYTHON} is not set; `./test` makes a Python with zarr and sets it");
+        return;
+    };
+    for (bodies, frames) in [(7, 300), (20_000, 19)] {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("run");
+        synthetic::write_everything(&run, bodies, frames).unwrap();
+        let output = Command::new(&python)
+            .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/read_extras_with_zarr.py"))
+            .arg(run.join(TRAJECTORY))
+            .output()
+            .unwrap_or_else(|error| panic!("cannot start {}: {error}", python.display()));
+        let said = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(said.trim(), format!("{frames} frames of {bodies} bodies are equal"));
+    }
+}
+
 fn write_expected(folder: &Path, bodies: usize, frames: u64, bounded: bool) {
     let table = synthetic::table(bodies);
     let (mut positions, mut orientations, mut speeds) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,7 +1,7 @@
 //! A run that ended early goes on, and its folder becomes that of one that did not.
 
 use crate::synthetic::{
-    ORIGIN, bounded, fill, frame, rolling_frame, start, start_with, summary, table, write,
+    ORIGIN, everything, fill, frame, full_frame, start, start_with, summary, table, write,
 };
 use rockfall_cache::{Contents, Error, FRAMES, RunFolder, RunReader, RunWriter, SUMMARY, TRAJECTORY};
 use std::collections::BTreeMap;
@@ -39,7 +39,7 @@ fn a_resumed_run_is_that_of_one_that_was_not_interrupted() {
     ] {
         for (kind, contents, frame) in [
             ("lossless", Contents::from(ORIGIN), frame as fn(&_, _, _) -> _),
-            ("bounded", bounded(), rolling_frame),
+            ("everything", everything(), full_frame),
         ] {
             let whole = place.path().join(format!("whole-{bodies}-{kind}"));
             fill(start_with(&whole, bodies, contents.clone()).unwrap(), &whole, bodies, 0..frames, frame)
@@ -64,7 +64,7 @@ fn a_resumed_run_is_that_of_one_that_was_not_interrupted() {
             }
         }
     }
-    assert_eq!(RunReader::open(&place.path().join("part-3-0-bounded")).unwrap().origin().unwrap(), ORIGIN);
+    assert_eq!(RunReader::open(&place.path().join("part-3-0-everything")).unwrap().origin().unwrap(), ORIGIN);
 }
 
 /// Promise: a run whose frames don't fit the checkpoint is left as it is, and told what is missing.

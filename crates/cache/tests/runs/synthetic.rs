@@ -2,8 +2,9 @@
 
 use rockfall::{BodyId, StepReport};
 use rockfall_cache::{
-    BodyTable, Contents, Error, FORMAT, Frame, Precision, RunFolder, RunWriter, Status, Summary, VERSION,
-    Velocities, Written,
+    BodyTable, Column, Contacts, Contents, Error, Event, EventKind, FORMAT, Frame, NumberType, Precision,
+    RunFolder, RunWriter, Status, Summary, VERSION, Values, Velocities, WantedContacts, WantedEvents,
+    Written,
 };
 use rockfall_math::{DVec3, Pose, Quat};
 use std::ops::Range;
@@ -63,7 +64,77 @@ pub(crate) fn rolling(bodies: usize, frame: u64) -> (Vec<BodyId>, Vec<Pose>, Vel
 pub(crate) fn bounded() -> Contents {
     let precision = Precision { position: Some(1e-4), rotation: Some(0.1_f64.to_radians()) };
     let (scene, rockfall) = ("seed = 1\n".into(), "0.1.0".into());
-    Contents { origin: ORIGIN, precision, velocities: true, scene, rockfall }
+    Contents { origin: ORIGIN, precision, velocities: true, scene, rockfall, ..Contents::default() }
+}
+
+/// The same with contacts, events and columns.
+pub(crate) fn everything() -> Contents {
+    let column = |name: &str, numbers, units: &str| Column {
+        name: name.into(),
+        numbers,
+        units: units.into(),
+        description: format!("{name} of a body"),
+    };
+    Contents {
+        contacts: Some(WantedContacts { every: 1, force: 2.5 }),
+        events: Some(WantedEvents::All),
+        columns: vec![
+            column("heat", NumberType::F32, "K"),
+            column("work", NumberType::F64, "J"),
+            column("touched", NumberType::U32, "1"),
+        ],
+        ..bounded()
+    }
+}
+
+/// Contacts of [`everything`]: none in every third frame.
+pub(crate) fn contacts(bodies: usize, frame: u64) -> Contacts {
+    let mut found = Contacts::default();
+    for k in (0..bodies as u64).filter(|_| !frame.is_multiple_of(3)) {
+        let x = k as f32 + frame as f32 / 8.0;
+        found.a.push(2 * k + 1);
+        found.b.push(2 * k + 3 + frame);
+        found.positions.push([x, -x, 0.5]);
+        found.normals.push([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]][k as usize % 2]);
+        found.distances.push(-x / 1024.0);
+        found.forces.push(2.5 + x);
+    }
+    found
+}
+
+/// Events of the same.
+pub(crate) fn events(frame: u64) -> Vec<Event> {
+    let kinds = EventKind::ALL.into_iter().cycle();
+    kinds.zip(0..frame % 7).map(|(kind, k)| Event { kind, a: 2 * k + 1, b: 2 * frame + 1 }).collect()
+}
+
+/// Columns of the same.
+pub(crate) fn columns(bodies: usize, frame: u64) -> Vec<Values> {
+    let (table, ids) = (table(bodies), state(bodies, frame).0);
+    let of = |id: &BodyId| (id.0 + 3 * frame) as f64 / 16.0;
+    let heat: Vec<f32> = ids.iter().map(|id| of(id) as f32).collect();
+    let work: Vec<f64> = ids.iter().map(|id| of(id) / 3.0).collect();
+    let touched: Vec<u32> = ids.iter().map(|id| (id.0 ^ frame) as u32).collect();
+    vec![
+        Values::gather(&table, &ids, &heat).unwrap(),
+        Values::gather(&table, &ids, &work).unwrap(),
+        Values::gather(&table, &ids, &touched).unwrap(),
+    ]
+}
+
+/// A frame of [`everything`].
+pub(crate) fn full_frame(writer: &RunWriter, bodies: usize, index: u64) -> Frame {
+    Frame {
+        contacts: contacts(bodies, index),
+        events: events(index),
+        columns: columns(bodies, index),
+        ..rolling_frame(writer, bodies, index)
+    }
+}
+
+/// Writes a whole run of [`everything`].
+pub(crate) fn write_everything(path: &Path, bodies: usize, frames: u64) -> Result<Written, Error> {
+    fill(start_with(path, bodies, everything())?, path, bodies, 0..frames, full_frame)
 }
 
 /// A frame of [`rolling`].

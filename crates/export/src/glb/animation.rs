@@ -4,7 +4,7 @@ use super::MOST_ANIMATED;
 use super::document::{Component, Document, look, too_large};
 use super::tracks::{POSITION, ROTATION, Track, Tracks};
 use crate::prototypes::Prototypes;
-use crate::{Error, Inventory, Job, Motion, Run};
+use crate::{Detail, Error, Inventory, Job, Run};
 use rockfall::Kind;
 use serde_json::{Value, json};
 use std::io;
@@ -21,7 +21,7 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
     let failed = |error: io::Error| Error::io("write", to, &error);
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut tracks = Tracks::new(folder, &moving, frames).map_err(failed)?;
-    job.stream(&moving, Motion::Unwanted, Ok, |moment| tracks.add(moment).map_err(failed))?;
+    job.stream(&moving, Detail::Poses, Ok, |moment| tracks.add(moment).map_err(failed))?;
     let places: Vec<(u64, u64)> = (0..moving.len()).map(|body| tracks.places(body)).collect();
     let (tracks, file) = tracks.finish().map_err(failed)?;
 

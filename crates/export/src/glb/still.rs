@@ -2,7 +2,7 @@
 
 use super::document::{Component, Document, Look, look};
 use crate::prototypes::Prototypes;
-use crate::{Error, Job, Moment, Motion};
+use crate::{Detail, Error, Job, Moment};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io;
@@ -14,7 +14,7 @@ const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error> {
     let (run, inventory) = (job.run(), job.inventory()?);
     let prototypes = Prototypes::of(run, rows)?;
-    job.stream(rows, Motion::Unwanted, Ok, |moment: Moment| {
+    job.stream(rows, Detail::Poses, Ok, |moment: Moment| {
         let mut alike: BTreeMap<Look, Vec<usize>> = BTreeMap::new();
         for (k, &row) in moment.rows.iter().enumerate() {
             alike.entry(look(inventory, row)).or_default().push(k);

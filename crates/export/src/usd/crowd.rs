@@ -22,7 +22,7 @@ pub(super) struct Columns {
 
 impl Usd {
     pub(super) fn columns(&self, moment: Moment) -> Columns {
-        let Moment { frame, time: _, rows, positions, rotations, velocities, mut spins } = moment;
+        let Moment { frame, time: _, rows, positions, rotations, velocities, mut spins, columns: _ } = moment;
         spins.iter_mut().flatten().for_each(|spin| *spin = spin.to_degrees());
         Columns {
             frame,

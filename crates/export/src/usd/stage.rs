@@ -2,10 +2,9 @@
 
 use super::crowd::{Crowd, attributes};
 use super::look::{self, Looks};
-use super::mesh;
-use super::names::Names;
+use super::{fixed, mesh};
 use crate::prototypes::Prototypes;
-use crate::{Error, Job, Moment};
+use crate::{Error, Job};
 use rockfall_math::DVec3;
 use rockfall_usd::{Array, Attribute, Dictionary, Layer, ListOp, Metadata, Prim, Relationship, Value};
 use std::collections::BTreeMap;
@@ -58,7 +57,7 @@ impl Stage {
         Ok(Stage {
             metadata: metadata(job),
             bodies,
-            fixed: fixed(job, &looks)?,
+            fixed: fixed::of(job, &looks)?,
             looks: looks.scope(),
             origin: job.run().origin(),
         })
@@ -103,25 +102,8 @@ fn metadata(job: &Job<'_>) -> Metadata {
     ]
 }
 
-/// The bodies that nobody moves, each a mesh of its own.
-fn fixed(job: &Job<'_>, looks: &Looks) -> Result<Prim, Error> {
-    let (run, inventory) = (job.run(), job.inventory()?);
-    let rows = inventory.fixed();
-    let surfaces = Prototypes::of(run, &rows)?;
-    let Moment { rows, positions, rotations, .. } = job.at(job.frames()[0], &rows)?;
-    let (mut scope, mut names) = (Prim::def("Scope", "Static"), Names::default());
-    for ((row, position), rotation) in rows.into_iter().zip(positions).zip(rotations) {
-        let Some(surface) = surfaces.get(inventory.shape_of[row as usize]) else { continue };
-        let (id, name) = (run.bodies().ids[row as usize], &run.bodies().names[row as usize]);
-        let name = names.choose(&if name.is_empty() { format!("Body_{id}") } else { name.clone() });
-        let mesh = looks.dress(mesh::of(name, surface), look::of(inventory, row));
-        scope = scope.child(placed(mesh, Some(position.map(f64::from)), Some(rotation)));
-    }
-    Ok(scope)
-}
-
 /// Moves a prim: a place, metres, and a quaternion x, y, z, w.
-fn placed(mut prim: Prim, place: Option<[f64; 3]>, rotation: Option<[f32; 4]>) -> Prim {
+pub(super) fn placed(mut prim: Prim, place: Option<[f64; 3]>, rotation: Option<[f32; 4]>) -> Prim {
     let mut order = Vec::new();
     if let Some(place) = place {
         prim = prim.with(Attribute::new("double3", "xformOp:translate", Value::Double3(place)));

@@ -2,7 +2,9 @@
 
 use super::file::{Array, Cells, PolyData};
 use crate::{Inventory, Moment, Run, prototypes};
+use rockfall_cache::Values;
 use rockfall_math::{DVec3, Vec3};
+use std::borrow::Cow;
 
 /// Names of the components of vectors.
 pub(super) const XYZ: &[&str] = &["x", "y", "z"];
@@ -15,7 +17,7 @@ pub(super) fn of<'a>(run: &'a Run, inventory: &'a Inventory, moment: &'a Moment)
     // ParaView wants the real part first.
     let turned = |&[x, y, z, w]: &[f32; 4]| [w, x, y, z];
     let size = |row: usize| prototypes::size(&inventory.shapes[inventory.shape_of[row] as usize]).to_array();
-    let of_points = vec![
+    let mut of_points = vec![
         Array::new::<u64, _>("id", &[], rows().map(|row| table.ids[row]).collect()),
         Array::new::<u32, _>("shape", &[], rows().map(|row| inventory.shape_of[row]).collect()),
         Array::new::<u32, _>("material", &[], rows().map(|row| inventory.material_of[row]).collect()),
@@ -30,6 +32,20 @@ pub(super) fn of<'a>(run: &'a Run, inventory: &'a Inventory, moment: &'a Moment)
         Array::new::<f32, _>("speed", &[], speeds(moment)),
         Array::new::<f32, _>("angular_velocity", XYZ, moment.spins.clone()),
     ];
+    for (column, values) in run.columns().iter().zip(&moment.columns) {
+        // A name can't be there twice.
+        let name: Cow<'_, str> = match of_points.iter().any(|array| array.name() == column.name) {
+            true => format!("run_{}", column.name).into(),
+            false => column.name.as_str().into(),
+        };
+        of_points.push(match values {
+            Values::F32(numbers) => Array::new::<f32, _>(name, &[], numbers.clone()),
+            Values::F64(numbers) => Array::new::<f64, _>(name, &[], numbers.clone()),
+            Values::U8(numbers) => Array::new::<u8, _>(name, &[], numbers.clone()),
+            Values::U32(numbers) => Array::new::<u32, _>(name, &[], numbers.clone()),
+            Values::U64(numbers) => Array::new::<u64, _>(name, &[], numbers.clone()),
+        });
+    }
     PolyData {
         time: moment.time,
         count,

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use bytemuck::NoUninit;
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
@@ -14,7 +15,7 @@ type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// A column of numbers.
 pub(super) struct Array<'a> {
-    name: &'static str,
+    name: Cow<'a, str>,
     /// VTK's name of the type.
     kind: &'static str,
     /// Names of the components; none where there is one.
@@ -26,7 +27,7 @@ pub(super) struct Array<'a> {
 impl<'a> Array<'a> {
     /// Numbers that are there already.
     pub(super) fn new<T: Number, R: NoUninit>(
-        name: &'static str,
+        name: impl Into<Cow<'a, str>>,
         components: &'static [&'static str],
         rows: Vec<R>,
     ) -> Self {
@@ -36,12 +37,22 @@ impl<'a> Array<'a> {
 
     /// `count` numbers of type `T` that `fill` writes.
     pub(super) fn streamed<T: Number>(
-        name: &'static str,
+        name: impl Into<Cow<'a, str>>,
         components: &'static [&'static str],
         count: u64,
         fill: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
     ) -> Self {
-        Array { name, kind: T::KIND, components, bytes: count * size_of::<T>() as u64, fill: Box::new(fill) }
+        Array {
+            name: name.into(),
+            kind: T::KIND,
+            components,
+            bytes: count * size_of::<T>() as u64,
+            fill: Box::new(fill),
+        }
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.name
     }
 
     /// The line that announces it.
@@ -67,6 +78,10 @@ impl Number for f32 {
 
 impl Number for f64 {
     const KIND: &'static str = "Float64";
+}
+
+impl Number for u8 {
+    const KIND: &'static str = "UInt8";
 }
 
 impl Number for u32 {

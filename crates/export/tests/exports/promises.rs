@@ -2,6 +2,7 @@
 
 use crate::sample::{Counter, FRAMES, Sample};
 use rockfall_export::{Csv, Error, Format, Frames, Glb, Options, Parquet, Usd, Vtp, export};
+use rockfall_math::Vec3;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -45,6 +46,35 @@ fn bytes_do_not_depend_on_threads() {
             assert_eq!(counter.seen.into_inner(), FRAMES);
             assert_eq!(first.get_or_insert(content.clone()), &content, "{} with {threads}", format.name());
         }
+    }
+}
+
+/// Promise: a run that has velocities is exported with them, at the origin of the shape, and not with means over a step.
+#[test]
+fn stored_velocities_are_used_where_there_are_any() {
+    for away in [0.0, 4.0e6] {
+        let sample = Sample::with_motion(away);
+        sample.export(&Csv::default(), "", "out.csv").unwrap();
+        let text = fs::read_to_string(sample.path("out.csv")).unwrap();
+        let mut rows = text.lines();
+        let names: Vec<&str> = rows.next().unwrap().split(',').collect();
+        let first = names.iter().position(|name| *name == "vx_m_s").unwrap();
+        let (mut compared, mut fastest) = (0, 0.0_f32);
+        for row in rows {
+            // One name has a comma in quotes; the numbers are counted from the end.
+            let cells: Vec<&str> = row.split(',').collect();
+            let number = |k: usize| cells[cells.len() - names.len() + k].parse::<f32>().unwrap();
+            let found =
+                [0, 3].map(|k| Vec3::new(number(first + k), number(first + k + 1), number(first + k + 2)));
+            let (frame, id): (usize, u64) = (cells[0].parse().unwrap(), cells[2].parse().unwrap());
+            let (velocity, spin) = sample.motion[frame][&id];
+            assert!((found[0] - velocity).length() < 1e-5 * (1.0 + velocity.length()), "{row}");
+            assert_eq!(found[1], spin);
+            (compared, fastest) = (compared + 1, fastest.max(velocity.length()));
+        }
+        assert!(compared > 500 && fastest > 5.0, "{compared} {fastest}");
+        let few = sample.export(&Usd { velocities: true, ..Usd::default() }, "3..5", "out.usdc").unwrap();
+        assert_eq!(few.frames, 3);
     }
 }
 

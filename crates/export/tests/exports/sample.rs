@@ -1,11 +1,14 @@
 //! A small run with everything that exports have to cope with.
 
+use rockfall::BodyId;
 use rockfall_cache::{
-    BodyTable, FORMAT, Frame, Poses, RunFolder, RunWriter, SUMMARY, Status, Summary, VERSION,
+    BodyTable, Column, Contents, FORMAT, Frame, NumberType, Poses, RunFolder, RunWriter, SUMMARY, Status,
+    Summary, VERSION, Values,
 };
 use rockfall_export::{Done, Error, Format, Frames, Options, Run, Watch, export};
-use rockfall_math::DVec3;
+use rockfall_math::{DVec3, Pose, Vec3};
 use rockfall_scene::Scene;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use tempfile::TempDir;
@@ -79,13 +82,42 @@ pub(crate) const FRAMES: u64 = 21;
 /// A folder with a run in it.
 pub(crate) struct Sample {
     pub(crate) folder: TempDir,
+    /// Velocity, at the origin of the shape, and angular velocity of each body by its id, frame by frame.
+    pub(crate) motion: Vec<BTreeMap<u64, (Vec3, Vec3)>>,
 }
 
 impl Sample {
     /// The run `away` metres from the world's origin, of which so many frames have been written.
     pub(crate) fn new(away: f64, frames: u64) -> Self {
+        Self::of(SCENE, away, frames, false)
+    }
+
+    /// The same with velocities and columns.
+    pub(crate) fn with_motion(away: f64) -> Self {
+        Self::of(SCENE, away, FRAMES, true)
+    }
+
+    /// The same with static bodies that look alike, in four looks; their ids begin at 6000. One of them has a name and another one a shape of its own.
+    pub(crate) fn with_crowd(away: f64, frames: u64) -> Self {
+        let body = |k: u32| {
+            let (shape, material) =
+                (["crate", "pebble"][k as usize % 2], ["wood", "iron"][k as usize / 2 % 2]);
+            let place = format!("[{{x}}, {}, {}]", 20 + k % 7, k / 7);
+            format!(
+                "[[bodies]]\nid = {}\nshape = \"{shape}\"\nkind = \"static\"\nmaterial = \"{material}\"\nposition = {place}\nrotation = [{}, {}, 0]\n",
+                6000 + k,
+                7 * k,
+                11 * k
+            )
+        };
+        let crowd: String = (0..80).map(body).collect();
+        let named = crowd.replacen("id = 6003\n", "id = 6003\nname = \"Instances\"\n", 1);
+        Self::of(&format!("{SCENE}{}", named.replacen("\"pebble\"", "\"cone\"", 1)), away, frames, false)
+    }
+
+    fn of(scene: &str, away: f64, frames: u64, full: bool) -> Self {
         let folder = tempfile::tempdir().unwrap();
-        let text = SCENE.replace("{x}", &away.to_string());
+        let text = scene.replace("{x}", &away.to_string());
         let text = text.replace("{from}", &(away - 2.0).to_string());
         let text = text.replace("{to}", &(away + 2.0).to_string());
         let scene =
@@ -109,23 +141,54 @@ impl Sample {
             ..Summary::default()
         };
         let run = RunFolder::at(&path, false).unwrap();
-        let mut writer = RunWriter::create(&run, &scene.to_toml_filled(), &summary, &table, origin).unwrap();
+        let column = |name: &str, numbers| Column {
+            name: name.into(),
+            numbers,
+            units: "1".into(),
+            description: String::new(),
+        };
+        let columns = vec![column("contact_count", NumberType::U32), column("size", NumberType::F64)];
+        let contents = match full {
+            true => Contents { origin, velocities: true, columns, ..Contents::default() },
+            false => Contents::from(origin),
+        };
+        let text = scene.to_toml_filled();
+        let mut writer = RunWriter::create(&run, &text, &summary, &table, contents).unwrap();
+        let mut motion = Vec::new();
         for frame in 0..frames {
             if frame > 0 {
                 running.before_step(frame - 1).unwrap();
                 running.world.step();
             }
             let mut poses = Poses::default();
-            poses.gather(&table, origin, &running.world.ids(), &running.world.poses()).unwrap();
+            let world = &running.world;
+            let (ids, places, speeds) = (world.ids(), world.poses(), world.velocities());
+            poses.gather(&table, origin, &ids, &places).unwrap();
+            let mut frame_of_run = Frame::default();
+            if full {
+                frame_of_run.velocities.gather(&table, &ids, &speeds).unwrap();
+                let (count, size): (Vec<u32>, Vec<f64>) =
+                    ids.iter().map(|id| ((id.0 * (frame + 1)) as u32, id.0 as f64 / 3.0)).unzip();
+                frame_of_run.columns = vec![
+                    Values::gather(&table, &ids, &count).unwrap(),
+                    Values::gather(&table, &ids, &size).unwrap(),
+                ];
+            }
+            let centers: BTreeMap<u64, DVec3> =
+                world.row_ids().iter().copied().zip(world.centers_of_mass().iter().copied()).collect();
+            let at_origin = |((id, pose), (v, w)): ((&BodyId, &Pose), &(Vec3, Vec3))| {
+                (id.0, (*v + w.cross((pose.position - centers[&id.0]).as_vec3()), *w))
+            };
+            motion.push(ids.iter().zip(&places).zip(&speeds).map(at_origin).collect());
             let report = (frame > 0).then(|| running.world.report().clone());
             let time = report.as_ref().map_or(0.0, |report| report.time);
-            writer.push(Frame { time, poses, report, ..Frame::default() }).unwrap();
+            writer.push(Frame { time, poses, report, ..frame_of_run }).unwrap();
         }
         writer.finish().unwrap();
         // One that is not whole says that it goes on, as after a kill.
         let status = if frames == FRAMES { Status::Finished } else { Status::Running };
         Summary { status, ..summary }.write(&path.join(SUMMARY)).unwrap();
-        Sample { folder }
+        Sample { folder, motion }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {

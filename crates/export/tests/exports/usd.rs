@@ -7,7 +7,10 @@ use std::ffi::OsString;
 
 /// The run `away` metres from the world's origin, its export, the numbers of the frames and what the script has to know.
 fn exported(away: f64, usd: Usd, every: u64) -> (Sample, [OsString; 3]) {
-    let sample = Sample::new(away, FRAMES);
+    exported_of(Sample::new(away, FRAMES), usd, every)
+}
+
+fn exported_of(sample: Sample, usd: Usd, every: u64) -> (Sample, [OsString; 3]) {
     let frames = Frames { every, ..Frames::default() };
     let name = if usd.clip.is_some() { "out" } else { "out.usdc" };
     let options = Options { frames, to: Some(sample.path(name)), threads: Some(2), ..Options::default() };
@@ -46,6 +49,18 @@ fn blender_shows_every_body_where_it_is() {
         let Some(said) = blender("read_with_blender.py", &arguments) else { return };
         let frames = FRAMES.div_ceil(every);
         assert!(said.ends_with(&format!("{frames} frames of 65 bodies are equal")), "{said}");
+    }
+}
+
+/// Promise: static bodies of which many look alike are instances, each where it is; the others are meshes as ever.
+#[test]
+fn many_static_bodies_are_instances() {
+    for away in [0.0, 4.0e6] {
+        let (_sample, arguments) = exported_of(Sample::with_crowd(away, FRAMES), Usd::default(), 10);
+        let said = [python("read_with_usd.py", &arguments), blender("read_with_blender.py", &arguments)];
+        for said in said.into_iter().flatten() {
+            assert!(said.ends_with("3 frames of 145 bodies are equal"), "{said}");
+        }
     }
 }
 

@@ -18,3 +18,12 @@ fn vtk_reads_every_body_and_every_triangle() {
         }
     }
 }
+
+/// The run's columns are arrays of the points, as the store has them; one whose name is taken has another.
+#[test]
+fn vtk_reads_the_columns_of_the_run() {
+    let sample = Sample::with_motion(0.0);
+    sample.export(&Vtp::default(), "", "out").unwrap();
+    let Some(said) = python("read_with_vtk.py", &[sample.path("run"), sample.path("out")]) else { return };
+    assert_eq!(said, format!("{FRAMES} frames of 65 bodies are equal"));
+}

@@ -68,6 +68,12 @@ impl World {
         self.by_id(|row| (self.bodies.lines[row].velocity(), self.bodies.lines[row].angular_velocity()))
     }
 
+    /// Kinetic energy of each body, J, in the order of [`World::ids`]; 0 of one that is not dynamic.
+    pub fn kinetic_energies(&self) -> Vec<f64> {
+        let dynamic = |row: usize| self.bodies.kinds[row] == Kind::Dynamic;
+        self.by_id(|row| if dynamic(row) { measure::kinetic(&self.bodies, row) } else { 0.0 })
+    }
+
     /// Ids in the order of the rows in memory: the order of [`World::centers_of_mass`] and [`World::rotations`], which
     /// cost nothing. Rows keep their order until the next step. Row 0 is the world itself and has the id 2⁶⁴ − 1.
     pub fn row_ids(&self) -> &[u64] {
