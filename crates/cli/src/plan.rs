@@ -29,6 +29,9 @@ pub(crate) struct Plan {
     seed: u64,
     memory_bytes: u64,
     disk_bytes: u64,
+    /// What files of other programs hold and the scene can't have, and what was taken for something else.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
     /// Meshes that are cut into hulls; `info` alone cuts them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cuts: Vec<CutRow>,
@@ -67,6 +70,7 @@ impl Plan {
             seed: scene.seed,
             memory_bytes: estimate.memory,
             disk_bytes: disk,
+            notes: scene.notes(),
             cuts: Vec::new(),
         }
     }
@@ -106,6 +110,9 @@ impl fmt::Display for Plan {
         writeln!(f, "  seed     {}", self.seed)?;
         writeln!(f, "  memory   about {}", units::bytes(self.memory_bytes))?;
         write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))?;
+        for note in &self.notes {
+            write!(f, "\n  note     {note}")?;
+        }
         for cut in &self.cuts {
             let millimetres = [cut.missing_m, cut.filled_m, cut.spacing_m].map(|x| 1e3 * x);
             let [missing, filled, spacing] = millimetres;

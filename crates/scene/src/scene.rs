@@ -1,16 +1,18 @@
 //! A scene, from its file to a world.
 
 use crate::error::{Problem, SceneError};
-use crate::load::{self, Loader};
+use crate::load::{self, Loaded, Loader};
 use crate::memory::{self, Estimate};
 use crate::node::{Table, Value};
 use crate::plan::{BodyRow, Cut, Plan, cuts, plan};
 use crate::root::Output;
 use crate::running::Running;
 use crate::source::{Source, Sources};
-use crate::{root, write};
+use crate::{import, root, write};
 use rockfall::{Settings, Shape, Solver};
+use rockfall_import::Content;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scene that has been read and checked.
 ///
@@ -42,6 +44,7 @@ pub struct Scene {
     pub output: Output,
     root: Table,
     sources: Sources,
+    imports: Vec<Arc<Content>>,
 }
 
 /// What the bodies of a scene look like.
@@ -63,7 +66,7 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
-    /// Reads the scene file at `path` and all that it includes.
+    /// Reads the scene file at `path` and all that it includes. A file of another program that [`rockfall_import`] reads is a scene by itself.
     ///
     /// # Errors
     /// Everything that is wrong with the files.
@@ -84,12 +87,12 @@ impl Scene {
     }
 
     fn new(loader: Loader) -> Result<Self, SceneError> {
-        let (root, sources) = loader.finish()?;
+        let Loaded { root, sources, imports } = loader.finish()?;
         let missing = || SceneError::one(Problem::new("the scene has no `[world]`"), &sources);
         let world = root.table("world").ok_or_else(missing)?;
         let (settings, frames, seed) = (root::settings(world), world.int("frames"), world.int("seed"));
         let output = root.table("output").map(root::output).unwrap_or_default();
-        Ok(Scene { settings, frames, seed, output, root, sources })
+        Ok(Scene { settings, frames, seed, output, root, sources, imports })
     }
 
     /// Another seed: other random numbers.
@@ -132,6 +135,11 @@ impl Scene {
         load::edit(&mut self.root, "world", |world| world.set(key, value));
     }
 
+    /// What files of other programs hold and the scene can't have, and what was taken for something else: a line for each, with its file.
+    pub fn notes(&self) -> Vec<String> {
+        import::notes(&self.root, &self.imports)
+    }
+
     /// Bodies, those included that will be poured.
     pub fn body_count(&self) -> u64 {
         self.estimate().bodies
@@ -139,7 +147,7 @@ impl Scene {
 
     /// What the scene will need, without building it.
     pub fn estimate(&self) -> Estimate {
-        memory::estimate(&self.root)
+        memory::estimate(&self.root, &self.imports)
     }
 
     /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
@@ -164,7 +172,8 @@ impl Scene {
     /// Geometry that can't be cooked, a fill that does not fit.
     pub fn inventory(&self) -> Result<Inventory, SceneError> {
         let plan = self.plan_within(None)?;
-        let materials = self.root.named("materials").map(|(name, _)| name.to_owned()).collect();
+        let materials =
+            import::materials(&self.root, &self.imports).into_iter().map(|(name, _)| name).collect();
         Ok(Inventory { shapes: plan.shapes, materials, bodies: plan.rows })
     }
 
@@ -214,6 +223,6 @@ impl Scene {
             };
             return Err(SceneError::one(problem.expecting("fewer bodies"), &self.sources));
         }
-        plan(&self.root, self.seed).map_err(|p| SceneError::one(p, &self.sources))
+        plan(&self.root, &self.imports, self.seed).map_err(|p| SceneError::one(p, &self.sources))
     }
 }
