@@ -11,7 +11,7 @@ use crate::plan::Yard;
 use crate::root::material;
 use crate::rotation;
 use crate::spec::{ANY, POSITIVE, Spec, Ty, key, optional, required};
-use rockfall::{Kind, Locks, Material, Mix};
+use rockfall::{Kind, Material, Mix};
 use rockfall_import::{Body, Content, Place};
 use rockfall_math::{DVec3, Pose, Vec3};
 use std::path::Path;
@@ -189,7 +189,6 @@ fn template(body: &Body, material: u32) -> Template {
         gravity_scale: body.gravity_scale,
         linear_damping: body.linear_damping,
         angular_damping: body.angular_damping,
-        locks: Locks::default(),
-        mass: None,
+        ..Template::default()
     }
 }

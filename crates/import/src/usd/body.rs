@@ -8,7 +8,7 @@ use crate::content::{Kind, Weight};
 use openusd::usd::Prim;
 use rockfall_math::{DMat3, DQuat, DVec3};
 
-/// A rigid body without its colliders. `place` takes it to the world, `parent` what it lies in; `scale` is the unit of length, m.
+/// A rigid body without its colliders. `place` takes it to the world, `parent` what it lies in.
 pub(super) fn draft(
     prim: &Prim,
     place: &Affine,

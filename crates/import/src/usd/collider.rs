@@ -30,7 +30,7 @@ pub(super) fn form(
     let length =
         |name: &str, fallback: f64| -> Result<f64, String> { Ok(number(prim, name)?.unwrap_or(fallback)) };
     let radius = |name: &str, fallback: f64| -> Result<f64, String> {
-        Ok(number(prim, name)?.map_or_else(|| length("radius", fallback), Ok)?)
+        number(prim, name)?.map_or_else(|| length("radius", fallback), Ok)
     };
     let form = match kind {
         "Cube" => Form::Cuboid { half: DVec3::splat(0.5 * length("size", 2.0)?) },

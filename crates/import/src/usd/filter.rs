@@ -39,8 +39,11 @@ pub(super) type Bits = (u32, u32);
 type Class = (BTreeSet<u32>, BTreeSet<u32>);
 
 impl Filters {
-    /// Adds a body with the prims of its colliders; returns its index.
+    /// Adds a body with the prims of its colliders; returns its index. What is read again, as prototypes are at other scales, keeps it.
     pub(super) fn body<'a>(&mut self, name: &'a str, colliders: impl Iterator<Item = &'a str>) -> u32 {
+        if let Some(&known) = self.owners.get(name).filter(|known| self.bodies[**known as usize] == name) {
+            return known;
+        }
         let index = self.bodies.len() as u32;
         self.bodies.push(name.to_owned());
         for prim in colliders.chain([name]) {

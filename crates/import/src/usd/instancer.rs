@@ -10,10 +10,12 @@ use crate::content::{Body, Kind};
 use openusd::sdf::Value;
 use openusd::usd::Prim;
 use rockfall_math::{DMat3, DQuat, DVec3, Pose, Vec3};
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What the arrays of an instancer say.
 struct Instances {
+    /// Indices of prototypes that are there.
     prototypes: Vec<usize>,
     positions: Vec<Vec3>,
     rotations: Vec<DQuat>,
@@ -46,7 +48,7 @@ pub(super) fn read(
     };
     // In the instancer's frame its scale comes last. One that is the same in all directions may as well come first, so that rotations don't matter.
     let stretch = frame.see(place).linear;
-    let even = Some(stretch.x_axis.x).filter(|&x| stretch == DMat3::from_diagonal(DVec3::splat(x)));
+    let even = stretch == DMat3::from_diagonal(DVec3::splat(stretch.x_axis.x));
     walk.instancers.push(name.clone());
     let mut known: BTreeMap<(usize, [u64; 9]), Vec<Body>> = BTreeMap::new();
     for (k, &prototype) in instances.prototypes.iter().enumerate() {
@@ -57,36 +59,24 @@ pub(super) fn read(
         let at = |all: &[Vec3]| all.get(k).copied().unwrap_or_default().as_dvec3();
         let scale = instances.scales.get(k).map_or(DVec3::ONE, |s| s.as_dvec3());
         let rotation = unit(instances.rotations.get(k).copied().unwrap_or(DQuat::IDENTITY));
-        let turned = DMat3::from_quat(rotation);
         // Where the instance is, and how its prototype is stretched there.
-        let (inner, linear) = match even {
-            Some(even) => (Frame { position: even * at(&instances.positions), rotation }, even * scale),
-            None => (Frame { position: stretch * at(&instances.positions), rotation }, DVec3::ZERO),
-        };
-        let linear = match even {
-            Some(_) => DMat3::from_diagonal(linear),
-            None => turned.transpose() * stretch * turned * DMat3::from_diagonal(scale),
-        };
-        let frame = frame.after(&inner);
+        let frame = frame.after(&Frame { position: stretch * at(&instances.positions), rotation });
+        let turn = if even { DMat3::IDENTITY } else { DMat3::from_quat(rotation) };
+        let linear = turn.transpose() * stretch * turn * DMat3::from_diagonal(scale);
         let key = (prototype, linear.to_cols_array().map(f64::to_bits));
-        if !known.contains_key(&key) {
+        let root = &prototypes[prototype];
+        if let Entry::Vacant(entry) = known.entry(key) {
             let mut made = Vec::new();
-            let prims = prototypes.get(prototype).ok_or_else(|| {
-                format!(
-                    "{name}: instance {k} is of prototype {prototype}, but there are {}",
-                    prototypes.len()
-                )
-            })?;
-            walk.below(prims, &Affine::linear(linear), &mut made)?;
+            walk.below(root, &Affine::linear(linear), &mut made)?;
             if made.is_empty() {
-                walk.builder.note("a prototype in which there is no body is left out", prims.path().as_str());
+                walk.builder.note("a prototype in which there is no body is left out", root.path().as_str());
             }
-            known.insert(key, made);
+            entry.insert(made);
         }
         let velocity = instances.velocities.get(k).map(|v| place.linear * v.as_dvec3());
         let spin = instances.spins.get(k).map(|w| spin(place, radians(w.as_dvec3())));
         for made in &known[&key] {
-            let inside = inner_name(&made.name, prototypes[prototype].path().as_str());
+            let inside = made.name.strip_prefix(root.path().as_str()).unwrap_or(&made.name);
             let moves = made.kind != Kind::Static;
             bodies.push(Body {
                 name: format!("{name}[{id}]{inside}"),
@@ -102,11 +92,6 @@ pub(super) fn read(
     }
     walk.instancers.pop();
     Ok(())
-}
-
-/// What comes after the name of a prototype in that of a body in it.
-fn inner_name<'n>(name: &'n str, prototype: &str) -> &'n str {
-    name.strip_prefix(prototype).unwrap_or(name)
 }
 
 /// A pose in a frame.

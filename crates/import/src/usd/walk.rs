@@ -26,7 +26,7 @@ pub(super) struct Walk<'a> {
     meshes: Meshes,
     materials: Materials,
     filters: Filters,
-    /// Scenes with gravity of their own.
+    /// How many of type PhysicsScene there are.
     scenes: usize,
     prims: usize,
     /// Instancers that the way leads through.
