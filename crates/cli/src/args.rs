@@ -52,7 +52,7 @@ pub(crate) struct NoBenchArgs {
 /// `rockfall run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
-    /// Scene file.
+    /// Scene file, or a scene of another program: .usd, .usda, .usdc, .usdz, .gltf or .glb.
     #[arg(required_unless_present = "resume")]
     pub(crate) scene: Option<PathBuf>,
     /// Go on with the run in this folder, from its last checkpoint. Only threads, lanes and what is printed can be chosen.
@@ -117,7 +117,7 @@ pub(crate) struct RunArgs {
 /// `rockfall info`.
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// Scene file, or folder of a run.
+    /// Scene file, scene of another program, or folder of a run.
     pub(crate) path: PathBuf,
     /// Print JSON.
     #[arg(long)]

@@ -36,6 +36,9 @@ pub(crate) struct Plan {
     /// Contacts, of which nobody knows how many there will be, are not among them.
     #[serde(skip)]
     contacts: bool,
+    /// What files of other programs hold and the scene can't have, and what was taken for something else.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    notes: Vec<String>,
     /// Meshes that are cut into hulls; `info` alone cuts them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     cuts: Vec<CutRow>,
@@ -77,6 +80,7 @@ impl Plan {
             memory_bytes: estimate.memory,
             disk_bytes: disk,
             contacts: scene.output.contacts.is_some(),
+            notes: scene.notes(),
             cuts: Vec::new(),
         }
     }
@@ -118,6 +122,9 @@ impl fmt::Display for Plan {
         write!(f, "  disk     at most {}", units::bytes(self.disk_bytes))?;
         if self.contacts {
             write!(f, ", and contacts")?;
+        }
+        for note in &self.notes {
+            write!(f, "\n  note     {note}")?;
         }
         for cut in &self.cuts {
             let millimetres = [cut.missing_m, cut.filled_m, cut.spacing_m].map(|x| 1e3 * x);

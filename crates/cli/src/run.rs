@@ -28,6 +28,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         return Ok(());
     }
     Output::check(args)?;
+    scene.notes().iter().for_each(|text| note(args, &format!("Note: {text}")));
     let summary = summary::head(path, &scene);
     note(args, &format!("{}: building {} bodies", summary.scene, units::count(summary.bodies as u64)));
     let mut running = scene.build()?;

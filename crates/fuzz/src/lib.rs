@@ -17,7 +17,7 @@ mod scene;
 mod state;
 
 pub use bytes::Bytes;
-pub use files::{MESH_FILES, mesh_file, run_folder};
+pub use files::{IMPORTS, MESH_FILES, import, mesh_file, run_folder};
 pub use hull::hull;
 pub use mesh::mesh;
 pub use pair::pair;

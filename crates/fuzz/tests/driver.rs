@@ -7,7 +7,7 @@ use rockfall_cache::{
     START, STATE, Start, State, Summary, VERSION, Values, WantedContacts, WantedEvents,
 };
 use rockfall_fuzz::{
-    MESH_FILES, checkpoint, good_checkpoint, hull, mesh, mesh_file, pair, run_folder, scene,
+    IMPORTS, MESH_FILES, checkpoint, good_checkpoint, hull, import, mesh, mesh_file, pair, run_folder, scene,
 };
 use rockfall_math::{DVec3, Pose, hash};
 use std::path::{Path, PathBuf};
@@ -181,6 +181,19 @@ fn mesh_files() {
         let ending = MESH_FILES[random.below(MESH_FILES.len())];
         let bytes = if random.below(8) == 0 { random.bytes(300) } else { random.spoilt(&right(ending)) };
         mesh_file(folder.path(), ending, &bytes);
+    });
+}
+
+#[test]
+fn imports() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let stage = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/stages/chute.usda");
+    let stage = std::fs::read(stage).expect("the stage that ships");
+    drive("import", 600, move |random| {
+        let ending = IMPORTS[random.below(IMPORTS.len())];
+        let right = if ending.starts_with("usd") { stage.clone() } else { right(ending) };
+        let bytes = if random.below(8) == 0 { random.bytes(300) } else { random.spoilt(&right) };
+        import(folder.path(), ending, &bytes);
     });
 }
 

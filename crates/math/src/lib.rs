@@ -16,6 +16,6 @@ pub mod snapshot;
 pub mod trig;
 
 pub use aabb::Aabb;
-pub use glam::{DQuat, DVec3, Mat3, Quat, Vec2, Vec3};
+pub use glam::{DMat3, DQuat, DVec3, Mat3, Quat, Vec2, Vec3};
 pub use isometry::Isometry;
 pub use pose::Pose;

@@ -102,7 +102,7 @@ locks = ["ry"]
 };
 
 /// What many bodies can share.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Template {
     pub(crate) kind: Kind,
     pub(crate) material: u32,

@@ -51,6 +51,12 @@ impl Problem {
         self
     }
 
+    /// Puts what it is about before the message.
+    pub(crate) fn about(mut self, what: &str) -> Self {
+        self.message = format!("{what}: {}", self.message);
+        self
+    }
+
     /// Adds the one of `names` that is nearest to `word`, if one is near enough to be meant.
     pub(crate) fn near<'a>(mut self, word: &str, names: impl IntoIterator<Item = &'a str>) -> Self {
         self.nearest = nearest(word, names).map(str::to_owned);

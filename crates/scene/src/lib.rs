@@ -4,8 +4,8 @@
 //! a [`Running`] world. `docs/scene.md` describes every key; [`schema`] is the same for editors.
 //!
 //! The way through the crate: `load` reads files and merges what they include; `check` turns TOML into a tree of
-//! values by the tables of keys that stand at the head of each shape's and each generator's file; `start` reads the run that a scene
-//! begins with; `plan` cooks and places; `running` fills a world and pours into it.
+//! values by the tables of keys that stand at the head of each shape's and each generator's file; `import` brings in scenes of
+//! other programs; `start` reads the run that a scene begins with; `plan` cooks and places; `running` fills a world and pours into it.
 
 #![forbid(unsafe_code)]
 
@@ -14,11 +14,12 @@ mod check;
 mod crowd;
 mod error;
 mod generators;
+mod import;
 mod inside;
 mod load;
 mod manual;
 mod memory;
-pub mod mesh_file;
+pub use rockfall_import::mesh_file;
 mod nesting;
 mod node;
 mod noise;

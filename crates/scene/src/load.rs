@@ -7,9 +7,11 @@ use crate::root::{MATERIAL, ROOT};
 use crate::shapes::Nesting;
 use crate::source::{Source, Sources, Span};
 use crate::spec::Ty;
-use crate::{body, generators, nesting, root, shapes};
+use crate::{body, generators, import, nesting, root, shapes};
+use rockfall_import::Content;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// Scene files are written by people; what is larger is something else.
@@ -30,6 +32,13 @@ pub(crate) struct Loader {
     roots: Vec<Table>,
 }
 
+/// A scene that has been read: one tree of all files, their texts, and what files of other programs hold, in the order of `[[imports]]`.
+pub(crate) struct Loaded {
+    pub(crate) root: Table,
+    pub(crate) sources: Sources,
+    pub(crate) imports: Vec<Arc<Content>>,
+}
+
 impl Loader {
     /// Reads the file at `path` and all that it includes. `from` is where it is included.
     pub(crate) fn file(&mut self, path: &Path, from: Option<Span>) {
@@ -38,7 +47,7 @@ impl Loader {
             Some(span) => Problem::at(span, message),
             None => Problem::new(message),
         };
-        let text = match read(path) {
+        let text = match import::scene_of(path).map_or_else(|| read(path), Ok) {
             Ok(text) => text,
             Err((message, expected)) => {
                 self.problems.push(problem(format!("{name} {message}")).expecting(expected));
@@ -100,7 +109,7 @@ impl Loader {
     }
 
     /// One tree of all files.
-    pub(crate) fn finish(mut self) -> Result<(Table, Sources), SceneError> {
+    pub(crate) fn finish(mut self) -> Result<Loaded, SceneError> {
         let roots = std::mem::take(&mut self.roots);
         let merged = merge(roots, &mut self.problems);
         if self.problems.is_empty() {
@@ -111,9 +120,10 @@ impl Loader {
                 entries: Vec::new(),
             });
             absolute_paths(&mut root, &self.sources);
+            let imports = import::read_all(&mut root, &mut self.problems);
             complete(&mut root, &mut self.problems);
             if self.problems.is_empty() {
-                return Ok((root, self.sources));
+                return Ok(Loaded { root, sources: self.sources, imports });
             }
         }
         Err(SceneError::new(self.problems, &self.sources))
@@ -203,9 +213,10 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
             Err(problem) => problems.push(problem),
         }
     }
-    if root.list("bodies").is_empty() && root.list("generators").is_empty() && !root.has("start") {
+    let none = ["bodies", "imports", "generators"].iter().all(|key| root.list(key).is_empty());
+    if none && !root.has("start") {
         let problem = Problem::at(root.span, "the scene has no bodies");
-        problems.push(problem.expecting("`[[bodies]]`, `[[generators]]` or `[start]`"));
+        problems.push(problem.expecting("`[[bodies]]`, `[[imports]]`, `[[generators]]` or `[start]`"));
     }
     add_default_material(root);
     references(root, problems);
@@ -226,20 +237,21 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     unique(root, "name", problems);
 }
 
-/// Makes the paths of mesh files and of the run in `[start]` independent of the folder, so that a scene equals its filled text.
+/// Makes the paths of files and of the run in `[start]` independent of the folder, so that a scene equals its filled text.
 fn absolute_paths(root: &mut Table, sources: &Sources) {
-    let absolute = |table: &mut Table, key: &str| {
-        let Some((_, file)) = table.entries.iter_mut().find(|(k, _)| *k == key) else { return };
-        let path = sources.get(file.span).base.join(file.value.text());
-        let path = std::path::absolute(&path).unwrap_or(path);
-        file.value = Value::Text(path.display().to_string());
-    };
-    edit(root, "start", |start| absolute(start, "run"));
-    let shapes = root.entries.iter_mut().find(|(k, _)| *k == "shapes");
-    let Some((_, Node { value: Value::Named(shapes), .. })) = shapes else { return };
-    for (_, shape) in shapes {
-        if let Value::Table(shape) = &mut shape.value {
-            absolute(shape, "file");
+    for (key, node) in &mut root.entries {
+        let (tables, path): (Vec<&mut Node>, _) = match (*key, &mut node.value) {
+            ("shapes", Value::Named(shapes)) => (shapes.iter_mut().map(|(_, shape)| shape).collect(), "file"),
+            ("imports", Value::List(imports)) => (imports.iter_mut().collect(), "file"),
+            ("start", _) => (vec![node], "run"),
+            _ => continue,
+        };
+        for table in tables {
+            let Value::Table(table) = &mut table.value else { continue };
+            let Some((_, file)) = table.entries.iter_mut().find(|(k, _)| *k == path) else { continue };
+            let path = sources.get(file.span).base.join(file.value.text());
+            let path = std::path::absolute(&path).unwrap_or(path);
+            file.value = Value::Text(path.display().to_string());
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::body::BODY;
 use crate::generators::GENERATORS;
+use crate::import::IMPORT;
 use crate::region::REGIONS;
 use crate::root::{MATERIAL, OUTPUT, ROOT, WORLD};
 use crate::rotation::AXIS_DEGREES;
@@ -29,6 +30,7 @@ pub fn keys() -> String {
     section(&mut out, "### The table `terrain`", &TERRAIN, false);
     section(&mut out, "## `[[bodies]]`", &BODY, false);
     section(&mut out, "### A rotation as a table", &AXIS_DEGREES, false);
+    section(&mut out, "## `[[imports]]`", &IMPORT, false);
     heading(&mut out, "## `[[generators]]`", "The key `kind` says what it makes.");
     for spec in GENERATORS.cases {
         section(&mut out, &format!("### `kind = \"{}\"`", spec.name), spec, true);

@@ -1,8 +1,10 @@
 //! How much memory a scene will need, and how much there is.
 
-use crate::generators;
 use crate::node::Table;
 use crate::shapes;
+use crate::{generators, import};
+use rockfall_import::Content;
+use std::sync::Arc;
 
 /// What a scene will need, counted without building it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,13 +20,15 @@ pub struct Estimate {
 /// A body in a settled pile with its contacts, bytes.
 const BYTES_PER_BODY: u128 = 2500;
 
-/// Counts what the scene `root` holds, with so many bodies and shapes of the run that it starts with.
-pub(crate) fn estimate(root: &Table, bodies: u64, shapes: u64) -> Estimate {
+/// Counts what the scene `root` holds, its imports having been read, with so many bodies and shapes of the run that it starts with.
+pub(crate) fn estimate(root: &Table, imports: &[Arc<Content>], bodies: u64, shapes: u64) -> Estimate {
     let mut bodies = u128::from(bodies) + root.list("bodies").len() as u128;
+    bodies += imports.iter().map(|content| content.bodies.len() as u128).sum::<u128>();
     for table in root.tables("generators") {
         bodies = bodies.saturating_add((generators::kind_of(table).count)(table));
     }
-    let (mut shapes, mut geometry) = (shapes, 0u64);
+    let mut shapes = shapes + imports.iter().map(|content| content.shapes.len() as u64).sum::<u64>();
+    let mut geometry = imports.iter().map(|content| import::memory(content)).sum::<u64>();
     for (_, table) in root.named("shapes") {
         let kind = shapes::kind_of(table);
         shapes += (kind.members)(table);

@@ -3,6 +3,7 @@
 use crate::body::{self, Template};
 use crate::error::Problem;
 use crate::generators::{self, Pour};
+use crate::import;
 use crate::node::{Table, Value};
 use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled};
@@ -10,9 +11,11 @@ use crate::sizes::Sizes;
 use crate::start::Begun;
 use rockfall::{Kind, Material, Shape};
 use rockfall_decompose::{Decomposition, Misfit};
+use rockfall_import::Content;
 use rockfall_math::{Pose, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What a run knows of a body before it starts.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,9 +92,14 @@ pub(crate) struct Yard<'a> {
     plan: Plan,
 }
 
-/// Lays out the scene `root`, which starts with the bodies `begun`.
-pub(crate) fn plan(root: &Table, seed: u64, begun: Option<&Begun>) -> Result<Plan, Problem> {
-    let materials = root.named("materials").map(|(_, table)| crate::root::material(table)).collect();
+/// Lays out the scene `root`, which starts with the bodies `begun`, with what it imports.
+pub(crate) fn plan(
+    root: &Table,
+    imports: &[Arc<Content>],
+    seed: u64,
+    begun: Option<&Begun>,
+) -> Result<Plan, Problem> {
+    let materials = import::materials(root, imports).into_iter().map(|(_, material)| material).collect();
     let mut yard = Yard {
         seed,
         root,
@@ -127,12 +135,11 @@ pub(crate) fn plan(root: &Table, seed: u64, begun: Option<&Begun>) -> Result<Pla
             own_ids.insert(yard.plan.rows.len(), table.int("id"));
         }
         yard.add(template, shape, 1.0, pose);
-        if table.has("name")
-            && let Some(row) = yard.plan.rows.last_mut()
-        {
-            row.name = Some(table.text("name").to_owned());
+        if table.has("name") {
+            yard.name(table.text("name"));
         }
     }
+    import::place(root, imports, &mut yard)?;
     for (table, number) in root.tables("generators").zip(1..) {
         let label = match table.text("name") {
             "" => format!("generators.{number}"),
@@ -193,8 +200,11 @@ impl Yard<'_> {
         self.root.named("materials").position(|(n, _)| n == name).unwrap_or(0) as u32
     }
 
+    /// Adds a template, unless it is the one that was added last.
     pub(crate) fn template(&mut self, template: Template) -> u32 {
-        self.plan.templates.push(template);
+        if self.plan.templates.last() != Some(&template) {
+            self.plan.templates.push(template);
+        }
         (self.plan.templates.len() - 1) as u32
     }
 
@@ -305,6 +315,13 @@ impl Yard<'_> {
         let row = self.plan.row(template, shape, scale);
         self.plan.placed.push((template, pose));
         self.plan.rows.push(row);
+    }
+
+    /// Gives the body that was added last a name.
+    pub(crate) fn name(&mut self, name: &str) {
+        if let Some(row) = self.plan.rows.last_mut() {
+            row.name = Some(name.to_owned());
+        }
     }
 
     /// Adds bodies that come later: the shape and scale of each.

@@ -3,6 +3,7 @@
 use crate::body::BODY;
 use crate::error::Problem;
 use crate::generators::GENERATORS;
+use crate::import::IMPORT;
 use crate::node::Table;
 use crate::shapes::SHAPES;
 use crate::spec::{ANY, Kinds, NOT_NEGATIVE, POSITIVE, Range, SHARE, Spec, Ty, key, optional};
@@ -46,6 +47,7 @@ position = [0, 0, 10]
             "Shapes by name, shared by any number of bodies.",
         ),
         key("bodies", Ty::List(&Ty::Table(&BODY)), "[]", "Bodies, one by one."),
+        key("imports", Ty::List(&Ty::Table(&IMPORT)), "[]", "Scenes of other programs."),
         key("generators", Ty::List(&Ty::Kinds(GENERATOR_KINDS)), "[]", "Bodies in bulk."),
     ]],
 };
@@ -65,7 +67,12 @@ duration = 10
 substeps = 8
 "#,
     groups: &[&[
-        key("gravity", Ty::Numbers(&[3], ANY), "[0, 0, -9.81]", "m/s². z is up."),
+        key(
+            "gravity",
+            Ty::Numbers(&[3], ANY),
+            "[0, 0, -9.81]",
+            "m/s². z is up. Where it is not given, that of the first of `[[imports]]` which has one.",
+        ),
         key("rate", Ty::Number(RATE), "60", "Frames per second of simulated time."),
         key("substeps", Ty::Int(1, 1000), "4", "Sub-steps in a frame."),
         key(

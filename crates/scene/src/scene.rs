@@ -1,7 +1,7 @@
 //! A scene, from its file to a world.
 
 use crate::error::{Problem, SceneError};
-use crate::load::{self, Loader};
+use crate::load::{self, Loaded, Loader};
 use crate::memory::{self, Estimate};
 use crate::node::{Table, Value};
 use crate::plan::{BodyRow, Cut, Plan, cuts, plan};
@@ -9,9 +9,10 @@ use crate::root::Output;
 use crate::running::Running;
 use crate::source::{Source, Sources};
 use crate::start::{Begun, Lookup, center};
-use crate::{root, write};
+use crate::{import, root, write};
 use rockfall::{Kind, Settings, Shape, Solver};
 use rockfall_cache::Start;
+use rockfall_import::Content;
 use rockfall_math::Vec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,6 +49,7 @@ pub struct Scene {
     sources: Sources,
     /// The bodies that it starts with.
     begun: Option<Arc<Begun>>,
+    imports: Vec<Arc<Content>>,
 }
 
 /// What the bodies of a scene look like.
@@ -71,7 +73,7 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
-    /// Reads the scene file at `path` and all that it includes.
+    /// Reads the scene file at `path` and all that it includes. A file of another program that [`rockfall_import`] reads is a scene by itself.
     ///
     /// # Errors
     /// Everything that is wrong with the files.
@@ -104,8 +106,8 @@ impl Scene {
     }
 
     fn new(loader: Loader, lookup: Lookup) -> Result<Self, SceneError> {
-        let (mut root, sources) = loader.finish()?;
-        let begun = root.table("start").map(|table| Begun::read(table, &root, lookup)).transpose();
+        let Loaded { mut root, sources, imports } = loader.finish()?;
+        let begun = root.table("start").map(|table| Begun::read(table, &root, &imports, lookup)).transpose();
         let begun = begun.map_err(|problem| SceneError::one(problem, &sources))?.map(Arc::new);
         if let Some(begun) = &begun {
             // That run may go on.
@@ -115,7 +117,7 @@ impl Scene {
         let world = root.table("world").ok_or_else(missing)?;
         let (settings, frames, seed) = (root::settings(world), world.int("frames"), world.int("seed"));
         let output = root.table("output").map(root::output).unwrap_or_default();
-        Ok(Scene { settings, frames, seed, output, root, sources, begun })
+        Ok(Scene { settings, frames, seed, output, root, sources, begun, imports })
     }
 
     /// Another seed: other random numbers.
@@ -158,6 +160,11 @@ impl Scene {
         load::edit(&mut self.root, "world", |world| world.set(key, value));
     }
 
+    /// What files of other programs hold and the scene can't have, and what was taken for something else: a line for each, with its file.
+    pub fn notes(&self) -> Vec<String> {
+        import::notes(&self.root, &self.imports)
+    }
+
     /// Bodies, those included that will be poured.
     pub fn body_count(&self) -> u64 {
         self.estimate().bodies
@@ -167,7 +174,7 @@ impl Scene {
     pub fn estimate(&self) -> Estimate {
         let (bodies, shapes) =
             self.begun.as_ref().map_or((0, 0), |begun| (begun.bodies.len(), begun.shapes.len()));
-        memory::estimate(&self.root, bodies as u64, shapes as u64)
+        memory::estimate(&self.root, &self.imports, bodies as u64, shapes as u64)
     }
 
     /// The frame of another run that the scene starts with. A run of the scene has to keep it ([`Start::write`]) beside its `scene.toml`.
@@ -177,9 +184,9 @@ impl Scene {
 
     /// Names of all materials, those of the run that the scene starts with last.
     pub(crate) fn materials(&self) -> Vec<String> {
-        let own = self.root.named("materials").map(|(name, _)| name);
-        let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|(name, _)| name.as_str());
-        own.chain(former).map(str::to_owned).collect()
+        let own = import::materials(&self.root, &self.imports).into_iter().map(|(name, _)| name);
+        let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|(name, _)| name.clone());
+        own.chain(former).collect()
     }
 
     /// The scene as TOML with every default filled in, includes resolved and paths absolute. Generators stay
@@ -262,6 +269,7 @@ impl Scene {
             };
             return Err(SceneError::one(problem.expecting("fewer bodies"), &self.sources));
         }
-        plan(&self.root, self.seed, self.begun.as_deref()).map_err(|p| SceneError::one(p, &self.sources))
+        plan(&self.root, &self.imports, self.seed, self.begun.as_deref())
+            .map_err(|p| SceneError::one(p, &self.sources))
     }
 }

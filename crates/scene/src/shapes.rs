@@ -22,6 +22,8 @@ use std::sync::Arc;
 
 pub(crate) use compound::{Nesting, PART, parts_of};
 pub(crate) use decomposition::{cook as cook_decomposition, is_decomposition};
+pub(crate) use field::folder as field_folder;
+pub(crate) use hull::cook as cook_hull;
 
 /// One kind of shape. To add one, copy the file of a neighbour and add it to [`KINDS`] and [`SHAPES`].
 #[derive(Debug)]

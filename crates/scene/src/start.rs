@@ -6,15 +6,18 @@
 
 use crate::body::Template;
 use crate::error::Problem;
+use crate::import;
 use crate::node::Table;
 use crate::plan::{BodyRow, Plan};
 use crate::scene::Scene;
 use crate::spec::{Spec, Ty, key, optional, required};
 use rockfall::{Kind, Material, Shape};
 use rockfall_cache::{Error, Start, VelocityOf};
+use rockfall_import::Content;
 use rockfall_math::{Pose, Vec3, rotation::rotate};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const KINDS: &[&str] = &["dynamic", "kinematic", "static"];
 
@@ -86,8 +89,13 @@ pub(crate) struct Former {
 }
 
 impl Begun {
-    /// Reads what the table `[start]` of the scene `root` wants.
-    pub(crate) fn read(table: &Table, root: &Table, lookup: Lookup) -> Result<Self, Problem> {
+    /// Reads what the table `[start]` of the scene `root` wants, which has imports.
+    pub(crate) fn read(
+        table: &Table,
+        root: &Table,
+        imports: &[Arc<Content>],
+        lookup: Lookup,
+    ) -> Result<Self, Problem> {
         let start = find(table, lookup)?;
         let name = format!("{}/{}", start.run.display(), rockfall_cache::SCENE);
         let known = Lookup::Known(start.start.clone());
@@ -103,13 +111,20 @@ impl Begun {
             templates: plan.templates.clone(),
             bodies: Vec::new(),
         };
-        begun.take(table, root, &plan, &names)?;
+        begun.take(table, root, import::materials(root, imports).len(), &plan, &names)?;
         begun.differs_from(root)?;
         Ok(begun)
     }
 
-    /// Takes over the bodies that are wanted.
-    fn take(&mut self, table: &Table, root: &Table, plan: &Plan, names: &[String]) -> Result<(), Problem> {
+    /// Takes over the bodies that are wanted. Their materials are numbered from `first` on.
+    fn take(
+        &mut self,
+        table: &Table,
+        root: &Table,
+        first: usize,
+        plan: &Plan,
+        names: &[String],
+    ) -> Result<(), Problem> {
         let without = left_out(table, plan)?;
         let words = table.list("kinds");
         let wanted = |kind: Kind| {
@@ -154,7 +169,7 @@ impl Begun {
                         found.ok_or_else(missing)?
                     } else {
                         self.materials.push((name.clone(), plan.materials[row.material]));
-                        own.count() + self.materials.len() - 1
+                        first + self.materials.len() - 1
                     };
                     materials.insert(row.material, material);
                     material

@@ -4,7 +4,7 @@ pub(crate) mod compound;
 mod rounded;
 
 use crate::{Frustum, Shape, polyhedron};
-use rockfall_math::{DVec3, Mat3, Vec3};
+use rockfall_math::{DVec3, Mat3, Pose, Vec3};
 use std::f64::consts::PI;
 
 /// How a rigid body resists pushes and turns.
@@ -32,6 +32,11 @@ impl MassProperties {
             center: self.center * by,
             inertia: self.inertia * (cube * by * by),
         }
+    }
+
+    /// Those of solids in their places, as one: what overlaps is there twice.
+    pub fn sum(solids: &[(MassProperties, Pose)]) -> Self {
+        compound::sum(solids)
     }
 
     /// From a diagonal inertia `squares` + `products` off the diagonal (yz, zx, xy), in double precision.

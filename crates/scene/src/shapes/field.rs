@@ -74,7 +74,7 @@ fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
 }
 
 /// Where fields are kept: `rockfall/fields` in the user's folder for caches; nowhere on a system without such a folder.
-fn folder() -> Option<PathBuf> {
+pub(crate) fn folder() -> Option<PathBuf> {
     let base = etcetera::choose_base_strategy().ok()?;
     Some(base.cache_dir().join("rockfall").join("fields"))
 }

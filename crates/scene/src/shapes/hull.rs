@@ -2,10 +2,10 @@
 
 use super::{ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
-use crate::mesh_file;
 use crate::node::Table;
 use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
 use rockfall::Shape;
+use rockfall_import::mesh_file;
 use rockfall_math::Vec3;
 use rockfall_shape::{Hull, HullError};
 use std::path::Path;
@@ -40,7 +40,7 @@ pub(super) static HULL: ShapeKind = ShapeKind {
 };
 
 /// The hull of at most `max_vertices` corners.
-pub(super) fn cook(points: &[Vec3], max_vertices: usize) -> Result<Arc<Hull>, HullError> {
+pub(crate) fn cook(points: &[Vec3], max_vertices: usize) -> Result<Arc<Hull>, HullError> {
     Ok(Arc::new(Hull::from_points_at_most(points, max_vertices)?))
 }
 

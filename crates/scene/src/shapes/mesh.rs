@@ -2,11 +2,11 @@
 
 use super::{Cook, ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
-use crate::mesh_file;
 use crate::node::Table;
 use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
 use crate::terrain::{self, TERRAIN};
 use rockfall::Shape;
+use rockfall_import::mesh_file;
 use rockfall_math::Vec3;
 use rockfall_shape::Mesh;
 use std::path::Path;

@@ -7,7 +7,7 @@
 //! Coordinates stay as they are in the file, but for glTF, whose standard says that y is up: it is turned so
 //! that z is.
 
-mod gltf;
+pub(crate) mod gltf;
 mod obj;
 mod ply;
 mod stl;
@@ -131,7 +131,7 @@ pub fn read(path: &Path) -> Result<TriangleSoup, MeshFileError> {
 }
 
 /// All bytes of a regular file.
-fn content(path: &Path) -> Result<Vec<u8>, MeshFileError> {
+pub(crate) fn content(path: &Path) -> Result<Vec<u8>, MeshFileError> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => MeshFileError::Missing(path.into()),
         _ => MeshFileError::Io { path: path.into(), reason: e.to_string() },
@@ -172,7 +172,7 @@ fn check(soup: TriangleSoup, path: &Path) -> Result<TriangleSoup, MeshFileError>
 }
 
 /// One line, not too long, of what a library has to say.
-fn brief(reason: &str) -> String {
+pub(crate) fn brief(reason: &str) -> String {
     let line: Vec<&str> = reason.split_whitespace().collect();
     let line = line.join(" ");
     match line.char_indices().nth(200) {
@@ -183,7 +183,7 @@ fn brief(reason: &str) -> String {
 
 impl TriangleSoup {
     /// Adds a polygon as a fan around its first corner.
-    fn push_polygon(&mut self, corners: &[u32]) {
+    pub(crate) fn push_polygon(&mut self, corners: &[u32]) {
         if let [first, rest @ ..] = corners {
             self.triangles.extend(rest.windows(2).map(|w| [*first, w[0], w[1]]));
         }

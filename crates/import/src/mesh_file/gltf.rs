@@ -5,6 +5,7 @@
 //! refused.
 
 use super::{MOST_TRIANGLES, TriangleSoup, content};
+use crate::affine::Affine;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf::accessor::{DataType, Dimensions};
@@ -13,40 +14,94 @@ use gltf::json::validation::Validate;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive};
 use percent_encoding::percent_decode_str;
-use rockfall_math::{DVec3, Vec3};
+use rockfall_math::{DMat3, DVec3, Vec3};
 use std::path::Path;
 
-/// Columns of a linear map, and where the origin goes.
-#[derive(Clone, Copy)]
-struct Place([DVec3; 4]);
-
 /// glTF has y up and looks along -z; Rockfall has z up.
-const UPRIGHT: Place = Place([DVec3::X, DVec3::Z, DVec3::NEG_Y, DVec3::ZERO]);
+pub(crate) const UPRIGHT: Affine =
+    Affine { linear: DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y), translation: DVec3::ZERO };
+
+/// A file with all that it needs beside it.
+pub(crate) struct File {
+    pub(crate) document: Document,
+    buffers: Vec<Vec<u8>>,
+}
 
 /// All triangles of the scene; `path` is where to look for buffers.
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<TriangleSoup, String> {
+    let file = open(bytes, path, &[])?;
+    let File { document, buffers } = &file;
+    // First all is counted, then read: a small file must not take memory without bound.
+    let mut size = Size::default();
+    walk(document, |primitive, _| size.add(primitive, buffers))?;
+    let mut soup = TriangleSoup::default();
+    walk(document, |primitive, place| add(&mut soup, primitive, buffers, place))?;
+    Ok(soup)
+}
+
+/// Reads a file that may ask for these extensions.
+pub(crate) fn open(bytes: &[u8], path: &Path, known: &[&str]) -> Result<File, String> {
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(|e| e.to_string())?;
     validate(document.as_json())?;
-    if let Some(name) = document.extensions_required().next() {
+    if let Some(name) = document.extensions_required().find(|name| !known.contains(name)) {
         return Err(format!("it requires the extension {name}, which is not supported"));
     }
     let buffers = buffers(&document, blob, path)?;
-    // First all is counted, then read: a small file must not take memory without bound.
-    let (mut vertices, mut triangles) = (0, 0);
-    walk(&document, |primitive, _| {
-        check(primitive, &buffers)?;
-        let (v, t) = counts(primitive);
+    Ok(File { document, buffers })
+}
+
+/// What a file unfolds to.
+#[derive(Default)]
+pub(crate) struct Size {
+    vertices: usize,
+    triangles: usize,
+}
+
+impl Size {
+    /// Checks a primitive and counts it.
+    fn add(&mut self, primitive: &Primitive<'_>, buffers: &[Vec<u8>]) -> Result<(), String> {
+        check(primitive, buffers)?;
+        let (vertices, triangles) = counts(primitive);
         // One more each, so that empty ones come to an end as well.
-        vertices += v + 1;
-        triangles += t + 1;
-        match vertices.max(triangles) > MOST_TRIANGLES {
+        self.vertices += vertices + 1;
+        self.triangles += triangles + 1;
+        match self.vertices.max(self.triangles) > MOST_TRIANGLES {
             true => Err(format!("it unfolds to more than {MOST_TRIANGLES} triangles or vertices")),
             false => Ok(()),
         }
-    })?;
-    let mut soup = TriangleSoup::default();
-    walk(&document, |primitive, place| add(&mut soup, primitive, &buffers, place))?;
-    Ok(soup)
+    }
+}
+
+impl File {
+    /// The triangles of a mesh in its own frame, added to the `size` of the whole.
+    pub(crate) fn soup(&self, mesh: &gltf::Mesh<'_>, size: &mut Size) -> Result<TriangleSoup, String> {
+        mesh.primitives().try_for_each(|primitive| size.add(&primitive, &self.buffers))?;
+        let mut soup = TriangleSoup::default();
+        for primitive in mesh.primitives() {
+            add(&mut soup, &primitive, &self.buffers, Affine::IDENTITY)?;
+        }
+        Ok(soup)
+    }
+
+    /// Vectors of floats, or of integers that stand for numbers from -1 to 1.
+    pub(crate) fn vectors<const N: usize>(&self, accessor: usize) -> Result<Vec<[f32; N]>, String> {
+        let missing = || format!("there is no accessor {accessor}");
+        let accessor = self.document.accessors().nth(accessor).ok_or_else(missing)?;
+        let dimensions = if N == 4 { Dimensions::Vec4 } else { Dimensions::Vec3 };
+        let types = [DataType::F32, DataType::I16, DataType::I8];
+        check_accessor(&accessor, &self.buffers, &types, dimensions)?;
+        let view = accessor.view().ok_or_else(missing)?;
+        let bytes = &self.buffers[view.buffer().index()][view.offset() + accessor.offset()..];
+        let width = accessor.data_type().size();
+        let stride = view.stride().unwrap_or(accessor.size());
+        let number = |k: usize, i: usize| match bytes[k * stride + i * width..][..width] {
+            [a, b, c, d] => f32::from_le_bytes([a, b, c, d]),
+            [a, b] => (f32::from(i16::from_le_bytes([a, b])) / 32767.0).max(-1.0),
+            [a, ..] => (f32::from(a as i8) / 127.0).max(-1.0),
+            [] => 0.0,
+        };
+        Ok((0..accessor.count()).map(|k| std::array::from_fn(|i| number(k, i))).collect())
+    }
 }
 
 /// The library's own check, which looks up the places of a primitive before it checks that they are there.
@@ -60,7 +115,11 @@ fn validate(root: &Root) -> Result<(), String> {
     }
     let mut first = None;
     root.validate(root, gltf::json::Path::new, &mut |path, error| {
-        first.get_or_insert_with(|| format!("{}: {error}", path()));
+        let path = path().to_string();
+        // Which extensions may be asked for is not the library's choice.
+        if !path.starts_with("extensionsRequired") {
+            first.get_or_insert_with(|| format!("{path}: {error}"));
+        }
     });
     first.map_or(Ok(()), Err)
 }
@@ -68,16 +127,16 @@ fn validate(root: &Root) -> Result<(), String> {
 /// Visits every primitive of the scene with its place in the world, in the order of the file.
 fn walk<'a>(
     document: &'a Document,
-    mut visit: impl FnMut(&Primitive<'a>, Place) -> Result<(), String>,
+    mut visit: impl FnMut(&Primitive<'a>, Affine) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut seen = vec![false; document.nodes().len()];
-    let mut waiting: Vec<(Node<'a>, Place)> = roots(document).into_iter().map(|n| (n, UPRIGHT)).collect();
+    let mut waiting: Vec<(Node<'a>, Affine)> = roots(document).into_iter().map(|n| (n, UPRIGHT)).collect();
     while let Some((node, parent)) = waiting.pop() {
         // Without this a cycle would never end.
         if std::mem::replace(&mut seen[node.index()], true) {
             return Err(format!("node {} has two parents, or is its own ancestor", node.index()));
         }
-        let place = parent.then(node.transform().matrix());
+        let place = parent.after(&matrix(node.transform().matrix()));
         for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
             visit(&primitive, place)?;
         }
@@ -90,7 +149,7 @@ fn walk<'a>(
 
 /// The top nodes of the scene that the file wants shown; without scenes those that are nobody's child. Last
 /// first.
-fn roots(document: &Document) -> Vec<Node<'_>> {
+pub(crate) fn roots(document: &Document) -> Vec<Node<'_>> {
     let mut roots: Vec<Node<'_>> = match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => scene.nodes().collect(),
         None => {
@@ -150,7 +209,7 @@ fn add(
     soup: &mut TriangleSoup,
     primitive: &Primitive<'_>,
     buffers: &[Vec<u8>],
-    place: Place,
+    place: Affine,
 ) -> Result<(), String> {
     if triangles_of(primitive).is_none() {
         return Ok(());
@@ -158,7 +217,7 @@ fn add(
     let reader = primitive.reader(|b| buffers.get(b.index()).map(Vec::as_slice));
     let first = soup.vertices.len() as u32;
     let positions = reader.read_positions().into_iter().flatten();
-    soup.vertices.extend(positions.map(|p| place.point(p)));
+    soup.vertices.extend(positions.map(|p| place.point(Vec3::from_array(p).as_dvec3()).as_vec3()));
     let count = soup.vertices.len() as u32 - first;
     let mut corners: Vec<u32> = match reader.read_indices() {
         Some(indices) => indices.into_u32().collect(),
@@ -180,7 +239,7 @@ fn add(
         Mode::TriangleFan => soup.push_polygon(&corners),
         _ => soup.triangles.extend(corners.as_chunks().0),
     }
-    if place.mirrors() {
+    if place.linear.determinant() < 0.0 {
         soup.triangles[from..].iter_mut().for_each(|t| t.swap(1, 2));
     }
     Ok(())
@@ -228,26 +287,9 @@ fn check_accessor(
     Ok(())
 }
 
-impl Place {
-    /// First the matrix, given by columns, then this.
-    fn then(&self, matrix: [[f32; 4]; 4]) -> Place {
-        let column = |c: [f32; 4]| self.vector(DVec3::new(c[0].into(), c[1].into(), c[2].into()));
-        let [x, y, z, origin] = matrix.map(column);
-        Place([x, y, z, origin + self.0[3]])
-    }
-
-    fn vector(&self, v: DVec3) -> DVec3 {
-        let [x, y, z, _] = self.0;
-        x * v.x + y * v.y + z * v.z
-    }
-
-    fn point(&self, p: [f32; 3]) -> Vec3 {
-        (self.vector(Vec3::from_array(p).as_dvec3()) + self.0[3]).as_vec3()
-    }
-
-    /// Whether it turns the inside out.
-    fn mirrors(&self) -> bool {
-        let [x, y, z, _] = self.0;
-        x.cross(y).dot(z) < 0.0
-    }
+/// A matrix given by columns.
+pub(crate) fn matrix(matrix: [[f32; 4]; 4]) -> Affine {
+    let column = |c: [f32; 4]| DVec3::new(c[0].into(), c[1].into(), c[2].into());
+    let [x, y, z, translation] = matrix.map(column);
+    Affine { linear: DMat3::from_cols(x, y, z), translation }
 }

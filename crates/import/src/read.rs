@@ -1,0 +1,91 @@
+//! Files, from their path to their content.
+
+use crate::affine::Affine;
+use crate::content::Content;
+use crate::{gltf_scene, usd};
+use rockfall_math::{DMat3, DQuat, DVec3, Pose};
+use std::path::{Path, PathBuf};
+
+/// Why a scene of another program can't be had.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct ImportError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong, and what was expected.
+    pub reason: String,
+}
+
+/// How a file is laid into the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Where its origin is, and how it is turned.
+    pub pose: Pose,
+    /// Multiplies all lengths.
+    pub scale: f64,
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Place { pose: Pose::default(), scale: 1.0 }
+    }
+}
+
+type Reader = fn(&Path, &Affine) -> Result<Content, String>;
+
+/// Whether the name of a file says that it is a scene of another program.
+pub fn is_scene(path: &Path) -> bool {
+    reader(path).is_some()
+}
+
+fn reader(path: &Path) -> Option<Reader> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "usd" | "usda" | "usdc" | "usdz" => Some(usd::read),
+        "gltf" | "glb" => Some(gltf_scene::read),
+        _ => None,
+    }
+}
+
+/// Stack of the thread that reads, bytes. The library for OpenUSD calls itself for prims in prims.
+const STACK: usize = 256 << 20;
+
+/// Reads a scene of another program; the format goes by the extension.
+///
+/// # Errors
+/// A file that is missing, no file, or not of its format; numbers that are not finite; a scene in which there is nothing to collide with.
+pub fn read(path: &Path, place: &Place) -> Result<Content, ImportError> {
+    let failed = |reason: String| ImportError { path: path.to_owned(), reason };
+    let expected = "expected .usd, .usda, .usdc, .usdz, .gltf or .glb";
+    let read =
+        reader(path).ok_or_else(|| failed(format!("can't tell the format by the name, {expected}")))?;
+    match std::fs::metadata(path) {
+        Ok(about) if about.is_file() => {}
+        Ok(_) => return Err(failed("not a file, expected a scene".into())),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return Err(failed("no such file, expected a scene".into()));
+        }
+        Err(error) => return Err(failed(error.to_string())),
+    }
+    let [x, y, z, w] = place.pose.rotation.to_array().map(f64::from);
+    let turn = Affine::rotation(DQuat::from_xyzw(x, y, z, w));
+    let scale = Affine::linear(DMat3::from_diagonal(DVec3::splat(place.scale)));
+    let place = Affine::translation(place.pose.position).after(&turn).after(&scale);
+    let job = || read(path, &place);
+    // The readers are libraries: should one of them panic on a file, that is the file's error and not ours.
+    let content = std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, job);
+        let thread = thread.map_err(|error| error.to_string())?;
+        thread.join().unwrap_or_else(|_| Err("its reader gave up: the file is not sound".into()))
+    });
+    let content = content.map_err(|reason| failed(crate::mesh_file::brief(&reason)))?;
+    if content.bodies.is_empty() {
+        let mut reason =
+            "there is nothing to collide with in it, expected rigid bodies or colliders".to_owned();
+        if let Some(note) = content.notes.first() {
+            reason = format!("{reason}; {note}");
+        }
+        return Err(failed(reason));
+    }
+    Ok(content)
+}
