@@ -10,6 +10,29 @@ use rockfall::BodyId;
 const TAKEN: [&str; 8] = ["time", "hash", "id", "name", "shape", "scale", "contacts", "events"];
 
 /// A column: an array `frame`, `body` of the trajectory.
+///
+/// # Examples
+/// ```
+/// use rockfall_cache::{
+///     BodyTable, Column, Contents, FORMAT, Frame, NumberType, RunFolder, RunReader, RunWriter, Summary, VERSION, Values,
+/// };
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("run");
+/// # let (names, shapes, scales) = (vec![String::new(); 2], vec![0; 2], vec![1.0; 2]);
+/// # let table = BodyTable { ids: vec![1, 2], names, shapes, scales };
+/// # let summary = Summary { format: FORMAT.into(), format_version: VERSION, ..Summary::default() };
+/// let (name, numbers) = ("heat".to_owned(), NumberType::F32);
+/// let heat = Column { name, numbers, units: "K".into(), description: "at the core".into() };
+/// let contents = Contents { columns: vec![heat.clone()], ..Contents::default() };
+/// let folder = RunFolder::at(&path, false)?;
+/// let mut writer = RunWriter::create(&folder, "", &summary, &table, contents)?;
+/// writer.push(Frame { columns: vec![Values::F32(vec![293.0, 310.0])], ..Frame::default() })?;
+/// writer.finish()?;
+///
+/// let run = RunReader::open(&path)?;
+/// assert_eq!(run.column(&heat)?.at(0)?, Values::F32(vec![293.0, 310.0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name: small letters, digits and `_`, a letter first.

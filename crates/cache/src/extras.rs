@@ -11,7 +11,7 @@ use crate::{
     Column, Contacts, Contents, Error, Event, Frame, RunReader, Values, WantedContacts, WantedEvents,
 };
 use serde_json::{Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is being written of it.
 #[derive(Debug)]
@@ -126,14 +126,14 @@ impl Contents {
 #[derive(Debug)]
 pub struct ContactsReader {
     table: RaggedReader,
-    folder: std::path::PathBuf,
+    folder: PathBuf,
 }
 
 /// The events of a run.
 #[derive(Debug)]
 pub struct EventsReader {
     table: RaggedReader,
-    folder: std::path::PathBuf,
+    folder: PathBuf,
 }
 
 /// A column of a run.

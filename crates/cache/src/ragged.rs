@@ -13,6 +13,7 @@ use crate::sheet::{Growing, NumberType, Sheet, SheetReader};
 use crate::store::WholeFiles;
 use crate::trajectory::{CHUNK_TIMES, attributes};
 use serde_json::{Map, Value, json};
+use std::ops::Range;
 use std::path::Path;
 
 /// Rows in a chunk of a column, at least and at most: some frames of few bodies, a part of one of very many.
@@ -194,7 +195,7 @@ impl RaggedReader {
         }
     }
 
-    fn range(&self, frame: u64) -> Result<std::ops::Range<u64>, Error> {
+    fn range(&self, frame: u64) -> Result<Range<u64>, Error> {
         let index = usize::try_from(frame).unwrap_or(usize::MAX);
         match (self.offsets.get(index), self.counts.get(index)) {
             (Some(&first), Some(&count)) => Ok(first..first + u64::from(count)),

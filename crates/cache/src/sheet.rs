@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 use std::fs;
 use std::io;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use zstd::bulk::{Compressor, Decompressor};
 
@@ -304,7 +304,7 @@ impl Growing {
 #[derive(Debug)]
 pub(crate) struct SheetReader {
     sheet: Sheet,
-    folder: std::path::PathBuf,
+    folder: PathBuf,
     /// Rows that there were when it was opened.
     rows: u64,
     /// The chunks that were read last, side by side, and their number: what is wanted next is most often among them.
@@ -394,7 +394,7 @@ mod tests {
                 }
                 assert!(reader.rows(0..rows as u64 + 1).is_err());
 
-                let files = || -> Vec<(std::path::PathBuf, Vec<u8>)> {
+                let files = || -> Vec<(PathBuf, Vec<u8>)> {
                     let folder = folder.path().join(&sheet.name);
                     let mut all: Vec<_> =
                         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();

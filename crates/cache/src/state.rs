@@ -26,6 +26,9 @@ use zarrs::group::GroupBuilder;
 /// The version of this layout, the group's attribute `rockfall_state`.
 const LAYOUT: u64 = 1;
 
+/// What is said of a group.
+type Attributes = Map<String, Value>;
+
 /// Bodies at one frame. All columns have a row for each that is there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {
@@ -135,7 +138,7 @@ impl State {
     pub(crate) fn write_with(
         &self,
         path: &Path,
-        more: Map<String, Value>,
+        more: Attributes,
         fill: impl FnOnce(&Path) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let (part, old) = (part_of(path), part_of(&part_of(path)));
@@ -161,7 +164,7 @@ impl State {
         sync_folder(parent).map_err(|error| Error::io("write", parent, &error))
     }
 
-    fn fill(&self, folder: &Path, more: Map<String, Value>) -> Result<(), Error> {
+    fn fill(&self, folder: &Path, more: Attributes) -> Result<(), Error> {
         let State { frame, hash, ids, poses, velocities, velocity_of } = self;
         let store = Arc::new(WholeFiles::new(folder.to_owned()));
         let mut group = attributes([
@@ -220,7 +223,7 @@ impl State {
     }
 
     /// The same, with the attributes of the group.
-    pub(crate) fn read_with(path: &Path) -> Result<Option<(Self, Map<String, Value>)>, Error> {
+    pub(crate) fn read_with(path: &Path) -> Result<Option<(Self, Attributes)>, Error> {
         if !path.is_dir() {
             return Ok(None);
         }

@@ -57,20 +57,20 @@ impl Extras {
         Contents { contacts: self.contacts, events: self.events, columns, ..contents }
     }
 
-    /// That of the world after the frame `frame`.
+    /// That of the world, whose bodies are `ids`, after the frame `frame`.
     pub(crate) fn gather(
         &self,
         world: &World,
+        ids: &[BodyId],
         table: &BodyTable,
         origin: DVec3,
         frame: u64,
     ) -> Result<(Contacts, Vec<Event>, Vec<Values>), Failure> {
         let contacts = self.contacts.map(|wanted| wanted.gather(world, origin, frame));
         let events = self.events.map(|wanted| wanted.gather(world.events()));
-        let ids = world.ids();
         let counts = [BuiltIn::ContactCount, BuiltIn::ContactForce].iter().any(|c| self.columns.contains(c));
         let all = if counts { ALL.gather(world, origin, frame) } else { Contacts::default() };
-        let columns = self.columns.iter().map(|column| column.values(world, table, &ids, &all));
+        let columns = self.columns.iter().map(|column| column.values(world, table, ids, &all));
         let columns = columns.collect::<Result<_, Error>>()?;
         Ok((contacts.unwrap_or_default(), events.unwrap_or_default(), columns))
     }

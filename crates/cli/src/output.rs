@@ -165,7 +165,7 @@ impl Output {
         let time = report.map_or(0.0, |report| report.time);
         let hash = Some(world.hash());
         let frame = report.map_or(0, |report| report.step);
-        let (contacts, events, columns) = self.extras.gather(world, &self.table, self.origin, frame)?;
+        let (contacts, events, columns) = self.extras.gather(world, &ids, &self.table, self.origin, frame)?;
         let report = report.cloned();
         self.writer.push(Frame { time, poses, velocities, report, hash, contacts, events, columns })?;
         Ok(())

@@ -17,7 +17,7 @@ const COLUMN_BYTES: u64 = 4;
 /// A row of `frames.csv`, about.
 const ROW_BYTES: u64 = 500;
 /// Id, shape, scale, a short name, and the state at the end.
-const BODY_BYTES: u64 = 88;
+const BODY_BYTES: u64 = 96;
 
 /// What `--dry-run` and `info` say of a scene.
 #[derive(Debug, Serialize)]

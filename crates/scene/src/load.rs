@@ -161,7 +161,7 @@ fn merge(roots: Vec<Table>, problems: &mut Vec<Problem>) -> Option<Table> {
         all.span = next.span;
         for (key, node) in next.entries {
             let Some((_, mine)) = all.entries.iter_mut().find(|(k, _)| *k == key) else {
-                all.entries.push((key, node));
+                all.insert(key, node);
                 continue;
             };
             match (&mut mine.value, node.value) {

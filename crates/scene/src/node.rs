@@ -105,6 +105,11 @@ impl Table {
             *slot = node;
             return;
         }
+        self.insert(key, node);
+    }
+
+    /// Adds a key that is not there, in the order of the spec.
+    pub(crate) fn insert(&mut self, key: &'static str, node: Node) {
         let place = |key: &str| self.spec.keys().position(|k| k.name == key);
         let at = self.entries.iter().position(|(k, _)| place(k) > place(key)).unwrap_or(self.entries.len());
         self.entries.insert(at, (key, node));

@@ -207,6 +207,32 @@ fn a_copy_serves_when_the_run_is_gone_and_runs_begin_with_runs() {
     assert!(error.to_string().contains("`start.zarr` is missing"), "{error}");
 }
 
+/// Promise: the filled text is the same scene, also where the table comes from one of several files.
+#[test]
+fn a_start_may_stand_in_any_of_the_files() {
+    let (folder, _) = place();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::create_dir(at("below")).unwrap();
+    let shapes = "[shapes.b]\nkind = \"box\"\nsize = [1, 1, 1]\n";
+    let body = "[[bodies]]\nshape = \"b\"\nposition = [0, 0, 90]\n";
+    for (main, included) in [
+        (format!("include = [\"below/it.toml\"]\n[start]\nrun = \"run\"\n{body}"), shapes.to_owned()),
+        (
+            format!("include = [\"below/it.toml\"]\n[start]\nrun = \"run\"\n{body}"),
+            format!("{shapes}[start]\nrun = \"gone\"\nframe = 3\n"),
+        ),
+        (format!("include = [\"below/it.toml\"]\n{body}"), format!("{shapes}[start]\nrun = \"../run\"\n")),
+    ] {
+        std::fs::write(at("main.toml"), main).unwrap();
+        std::fs::write(at("below/it.toml"), included).unwrap();
+        let scene = Scene::load(at("main.toml")).unwrap_or_else(|error| panic!("{}", error.render(false)));
+        let again = parse(&scene.to_toml_filled(), Path::new("/nowhere"));
+        assert!(again == scene);
+        assert_eq!(again.to_toml_filled(), scene.to_toml_filled());
+        assert_eq!(again.body_table().unwrap(), scene.body_table().unwrap());
+    }
+}
+
 #[test]
 fn what_does_not_fit_is_told_with_its_place() {
     let (folder, _) = place();
