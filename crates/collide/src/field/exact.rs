@@ -17,6 +17,9 @@ const PARALLEL: f32 = 0.03;
 /// Samples nearer than this share of their spacing tell of what is touched.
 const NEAR: f32 = 0.5;
 
+/// The most by which edges that cross overlap, in spacings of the samples.
+const OVERLAP: f32 = 1.25;
+
 /// Share of the depth that two edges would have below each other's sides, if nothing else were near.
 const DEEP: f32 = 0.9;
 
@@ -77,7 +80,7 @@ impl Two<'_, '_> {
     }
 
     /// Collects the features of a body that its samples know to be near the other one, ascending. Of what is further away, or deep in it, the nearest sample of each small ball stands for the others, since bodies that come fast see
-    /// hundreds; that it is met as exactly as the field says is enough there. Returns how far all others are at least.
+    /// hundreds; further away it is enough to meet it as exactly as the field says. Returns how far all others are at least.
     fn near(&self, k: usize, features: &mut Vec<Feature>, out: &mut Vec<Contact>) -> f32 {
         let (own, field, other, _) = self.of(k);
         let mut least = f32::INFINITY;
@@ -107,7 +110,8 @@ impl Two<'_, '_> {
             let first = ball.iter().reduce(|one, two| if two.1 < one.1 { two } else { one });
             let Some(&(i, distance)) = first else { continue };
             least = least.min(distance);
-            if distance.abs() > NEAR * self.spacing && distance <= self.margin {
+            let by_features = (-self.spacing..=NEAR * self.spacing).contains(&distance);
+            if !by_features && distance <= self.margin {
                 out.extend(self.sample(k, i));
             }
         }
@@ -120,11 +124,14 @@ impl Two<'_, '_> {
         let (own, field, other, _) = self.of(k);
         let sample = &field.samples().points()[i];
         let p = own.place.point(sample.position);
-        let there = other.nearest(p, self.reach)?;
+        let about = other.nearest(p, self.reach)?;
+        let (there, beside) = match about.distance > 0.0 {
+            true => (about, NEARLY),
+            false => (other.exact(p, about.distance)?, FACING),
+        };
         let facing = own.place.vector(sample.normal).dot(-there.normal);
         let name = i as u32 & OF_ONE | OF_SAMPLES;
-        within(facing, sample.cone, if there.distance > 0.0 { NEARLY } else { FACING })
-            .then(|| Contact::new(k == 1, p, there, name))
+        within(facing, sample.cone, beside).then(|| Contact::new(k == 1, p, there, name))
     }
 
     /// A corner in the other body. One that lies in it and does not face it is `hidden`; of several, the deepest.
@@ -158,16 +165,15 @@ impl Two<'_, '_> {
     /// All crossings; of the second body's edges, which are sorted along x, only those are tried that may reach so far.
     fn crossings(&self, [ones, twos]: &mut [Vec<Edge>; 2], out: &mut Vec<Contact>) {
         twos.sort_by(|one, two| one.start.x.total_cmp(&two.start.x).then(one.number.cmp(&two.number)));
-        let width = |edge: &Edge| edge.along.x.abs() + self.margin;
+        let most = self.margin.max(OVERLAP * self.spacing);
         let widest = twos.iter().fold(0.0_f32, |widest, two| widest.max(two.along.length()));
         for one in ones {
             let middle = one.start + 0.5 * one.along;
-            let (low, high) = (middle.x - width(one) - widest, middle.x + width(one) + widest);
+            let width = one.along.x.abs() + widest + most;
+            let (low, high) = (middle.x - width, middle.x + width);
             let from = twos.partition_point(|two| two.start.x < low);
             for two in twos[from..].iter().take_while(|two| two.start.x <= high) {
-                let reach = 0.5 * (one.along.length() + two.along.length());
-                // Overlapping edges are no further apart than they are long.
-                let far = reach + self.margin.max(one.along.length()).max(two.along.length());
+                let far = 0.5 * (one.along.length() + two.along.length()) + most;
                 if middle.distance_squared(two.start + 0.5 * two.along) <= far * far {
                     out.extend(self.crossing(one, two));
                 }
@@ -183,20 +189,24 @@ impl Two<'_, '_> {
         if distance > self.margin || !faces(one, normal.dot(one.out)) || !faces(two, -normal.dot(two.out)) {
             return None;
         }
-        // Edges that overlap by more may part sooner along another way; samples that lie so deep tell.
-        if distance < -self.spacing {
+        let overlap = -distance / self.spacing;
+        if overlap > OVERLAP {
             return None;
         }
-        // Where they overlap, each lies in the other body as deep below its sides as their common normal says.
-        let deep = |k: usize, p: Vec3, edge: &Edge, cosine: f32| {
+        // A crossing that is deep is one only where each edge lies as deep below the other body's sides as their common normal says: otherwise a shorter way parts them. Where it is not, other sides of a fine mesh may be as
+        // near, and it is enough that each lies in the other body.
+        let is_in = |k: usize, p: Vec3, edge: &Edge, cosine: f32| {
+            if overlap <= NEAR {
+                let error = self.fields[k].settings().error;
+                return self.sides[k].distance(p, 0.0).is_some_and(|distance| distance <= error);
+            }
             let turned = trig::acos(edge.cone.clamp(-1.0, 1.0)) + trig::acos(cosine.clamp(-1.0, 1.0));
             let below = trig::sin_cos(turned).1.max(0.0) * DEEP * distance + ROUNDING * self.spacing;
             self.sides[k].exact(p, distance).is_some_and(|there| there.distance <= below)
         };
-        let overlap = distance < 0.0;
-        if overlap
-            && !(deep(1, on_one, two, -normal.dot(two.out)) && deep(0, on_two, one, normal.dot(one.out)))
-        {
+        let both =
+            || is_in(1, on_one, two, -normal.dot(two.out)) && is_in(0, on_two, one, normal.dot(one.out));
+        if overlap > 0.0 && !both() {
             return None;
         }
         let name = hash::combine(u64::from(one.number), u64::from(two.number)) as u32;
