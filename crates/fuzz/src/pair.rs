@@ -5,14 +5,38 @@ use rockfall_collide::{
     Cache, Manifold, Motion, Ray, Sweep, Toi, cast_ray, cast_shape, collide, distance, nearest_point,
     overlaps, passage, penetration, time_of_impact,
 };
-use rockfall_math::{DVec3, Isometry, Vec2, Vec3};
-use rockfall_shape::{HeightField, Hull, Mesh, Shape};
+use rockfall_math::{DVec3, Isometry, Pose, Quat, Vec2, Vec3};
+use rockfall_shape::{Compound, Field, FieldSettings, HeightField, Hull, Mesh, Shape};
 use std::sync::Arc;
 
 /// Further than that two bodies of a pair are not from each other, metres.
 const FAR: f32 = 1e7;
 
+/// A shape by itself, or a few as one.
 fn shape(bytes: &mut Bytes) -> Shape {
+    if !bytes.byte().is_multiple_of(8) {
+        return single(bytes);
+    }
+    let parts = (0..1 + bytes.byte() % 4).map(|_| {
+        let rotation = Quat::from_mat3(&bytes.rotation());
+        let position = Vec3::new(bytes.share(), bytes.share(), bytes.share()).as_dvec3();
+        (single(bytes), Pose { position, rotation })
+    });
+    // Not all shapes can be parts.
+    Compound::new(parts).map_or(Shape::Sphere { radius: 1.0 }, |compound| Shape::Compound(Arc::new(compound)))
+}
+
+/// The surface of a hull.
+fn mesh(hull: &Hull) -> Option<Arc<Mesh>> {
+    let mut triangles = Vec::new();
+    for f in 0..hull.normals.len() {
+        let face = hull.face(f);
+        triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
+    }
+    Mesh::from_triangles(&hull.vertices, &triangles).ok().map(Arc::new)
+}
+
+fn single(bytes: &mut Bytes) -> Shape {
     let half = Vec3::new(bytes.length(), bytes.length(), bytes.length());
     let [radius, half_length] = [bytes.length(), bytes.length()];
     let hull = |bytes: &mut Bytes| {
@@ -21,7 +45,7 @@ fn shape(bytes: &mut Bytes) -> Shape {
             .collect();
         Arc::new(Hull::from_points(&points).unwrap_or_else(|_| Hull::cuboid(half)))
     };
-    match bytes.byte() % 12 {
+    match bytes.byte() % 13 {
         0 => Shape::Sphere { radius },
         1 => Shape::Box { half },
         2 => Shape::Capsule { half_length, radius },
@@ -42,16 +66,15 @@ fn shape(bytes: &mut Bytes) -> Shape {
             HeightField::new(4, 3, spacing, heights)
                 .map_or(Shape::Sphere { radius }, |f| Shape::HeightField(Arc::new(f)))
         }
-        _ => {
-            let hull = hull(bytes);
-            let mut triangles = Vec::new();
-            for f in 0..hull.normals.len() {
-                let face = hull.face(f);
-                triangles.extend((2..face.len()).map(|k| [face[0], face[k - 1], face[k]]));
-            }
-            Mesh::from_triangles(&hull.vertices, &triangles)
-                .map_or(Shape::Sphere { radius }, |mesh| Shape::Mesh(Arc::new(mesh)))
+        11 => {
+            // Coarse, so that it is made in no time.
+            let field = mesh(&hull(bytes)).and_then(|mesh| {
+                let size = (mesh.bounds.max - mesh.bounds.min).max_element();
+                Field::new(mesh, FieldSettings { error: 0.1 * size, spacing: 0.2 * size }).ok()
+            });
+            field.map_or(Shape::Sphere { radius }, |field| Shape::Field(Arc::new(field)))
         }
+        _ => mesh(&hull(bytes)).map_or(Shape::Sphere { radius }, Shape::Mesh),
     }
 }
 

@@ -4,14 +4,17 @@
 //! interpolation in an octree (`octree.rs`, `build.rs`, `seams.rs`), and points of the surface (`samples.rs`), whose distances from another body tell where the two
 //! touch. Mass, bounds and rays take the mesh itself.
 //!
-//! The mesh decides what is inside: a cavity is a part of its surface that shows the other way. Where parts of the surface cross each other, the inside is not defined.
+//! The mesh decides what is inside: a cavity is a part of its surface that shows the other way. A mesh whose parts cross each other or lie within each other has no clear inside, and is refused (`sound.rs`).
 
 mod build;
+mod features;
 mod octree;
 mod samples;
 mod seams;
+mod sound;
 mod store;
 
+pub use features::{Feature, FeatureEdge, Features, Normals};
 pub use samples::{SAMPLES_IN_A_BALL, Sample, Samples};
 pub use store::CacheUse;
 
@@ -58,6 +61,7 @@ pub struct Field {
     settings: FieldSettings,
     octree: Octree,
     samples: Samples,
+    features: Features,
     /// Middle and radius of a ball that fits inside.
     inner: (Vec3, f32),
     /// Hash of mesh and settings.
@@ -82,6 +86,19 @@ pub enum FieldError {
     /// Its triangles show their backs.
     #[error("the mesh is inside out: expected triangles that are counter-clockwise from outside")]
     InsideOut,
+    /// Parts of its surface lie within each other.
+    #[error(
+        "the mesh has no clear inside: at {count} of {of} points looked at, one of them {at}, the surface shows one side and a ray through all of it another, because parts of the mesh lie within each other or cross; \
+         expected a single surface around the body: join the parts to one (a boolean union or a remesh in a modelling program), or make the shape a decomposition, which takes such a mesh"
+    )]
+    Crossed {
+        /// Points next to the surface at which the two disagree.
+        count: usize,
+        /// How many were looked at.
+        of: usize,
+        /// The first of them, metres.
+        at: Vec3,
+    },
     /// A setting is out of range.
     #[error("the {what} of the field is {value} m, expected {least} m to {most} m for a body of this size")]
     Setting {
@@ -121,7 +138,7 @@ pub enum FieldError {
 pub struct FieldMemory {
     /// The octree.
     pub cells: usize,
-    /// Points of the surface, with the balls around them.
+    /// Points of the surface with the balls around them, corners and edges.
     pub samples: usize,
     /// The mesh.
     pub mesh: usize,
@@ -147,7 +164,7 @@ impl Field {
     /// Samples a mesh. Parallel; the same bits on any number of threads.
     ///
     /// # Errors
-    /// A mesh that is not closed or is inside out, an error or a spacing that does not fit the size of the body, and one that would take too much memory.
+    /// A mesh that is not closed, is inside out or cuts through itself, an error or a spacing that does not fit the size of the body, and one that would take too much memory.
     ///
     /// # Examples
     /// ```
@@ -164,12 +181,14 @@ impl Field {
     /// ```
     pub fn new(mesh: Arc<Mesh>, settings: FieldSettings) -> Result<Field, FieldError> {
         check(&mesh, settings)?;
+        let samples = Samples::of(&mesh, settings.spacing)?;
+        sound::check(&mesh, &samples, settings.error)?;
         let (mut octree, places) = build::build(&mesh, settings.error)?;
         seams::close(&mut octree, &places);
-        let samples = Samples::of(&mesh, settings.spacing)?;
+        let features = Features::of(&mesh, &samples, settings.spacing);
         let inner = deepest(&mesh, &octree, &places);
         let key = store::key(&mesh, settings);
-        Ok(Field { mesh, settings, octree, samples, inner, key })
+        Ok(Field { mesh, settings, octree, samples, features, inner, key })
     }
 
     /// The same body at another size: errors and spacing grow with it.
@@ -184,7 +203,8 @@ impl Field {
         let key = store::key(&mesh, settings);
         let (octree, samples) = (self.octree.scaled(by), self.samples.scaled(by));
         let inner = (by * self.inner.0, by * self.inner.1);
-        Ok(Field { mesh, settings, octree, samples, inner, key })
+        let features = self.features.clone();
+        Ok(Field { mesh, settings, octree, samples, features, inner, key })
     }
 
     /// What it was sampled from.
@@ -202,6 +222,11 @@ impl Field {
         &self.samples
     }
 
+    /// Corners and edges by which its mesh touches others.
+    pub fn features(&self) -> &Features {
+        &self.features
+    }
+
     /// Middle and radius, metres, of a ball that fits inside: nearly the largest.
     pub fn inner_ball(&self) -> (Vec3, f32) {
         self.inner
@@ -214,7 +239,7 @@ impl Field {
         let triangles = (12 + 12 + 3 + 12) * mesh.triangles.len();
         FieldMemory {
             cells: self.octree.memory(),
-            samples: self.samples.memory(),
+            samples: self.samples.memory() + self.features.memory(),
             mesh: 12 * mesh.vertices.len() + triangles + mesh.tree.memory(),
         }
     }

@@ -4,6 +4,7 @@ mod adjacency;
 mod clean;
 mod nearest;
 mod turned;
+mod winding;
 
 pub use nearest::{NearestOnMesh, TrianglePart, nearest_on_triangle};
 

@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod ahead;
 mod apply;
 mod bodies;
 mod body;
@@ -14,6 +15,7 @@ mod material;
 mod measure;
 mod pair;
 mod recall;
+mod recognise;
 mod report;
 mod seam;
 mod settings;

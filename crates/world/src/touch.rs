@@ -4,14 +4,17 @@
 //! too far for that are found anew, each point with the impulse of the point of the same name. Pairs of which neither body moves are
 //! left alone. Threads share nothing: each takes whole runs of pairs, and a contact belongs to one pair.
 
+use crate::ahead::Ahead;
 use crate::bodies::Bodies;
 use crate::recall::{Recall, leash};
+use crate::recognise::Recognition;
 use crate::seam::Ground;
 use crate::touches::{NEW, Run, Touches, rows};
+use crate::{Settings, Shape};
 use rayon::prelude::*;
 use rockfall_collide::{Manifold as Local, collide};
-use rockfall_math::Mat3;
 use rockfall_math::room::make_room;
+use rockfall_math::{Mat3, Vec3};
 use rockfall_solve::line::Role;
 use rockfall_solve::{
     Contacts, Desk, FIXED, Found, Lane, Leash, Manifold, Memory, NO_COLOR, Surface, row_of,
@@ -42,10 +45,10 @@ pub(crate) fn touch(
     contacts: &mut Contacts,
     ground: Ground<'_>,
     surface: &(impl Fn(usize, usize) -> Surface + Sync),
-    reuse: bool,
+    settings: &Settings,
 ) -> Vec<Changes> {
     let desk = contacts.desk(ground.bodies.rows());
-    let look = Look { ground, surface, desk: &desk, reuse };
+    let look = Look { ground, surface, desk: &desk, dt: 1.0 / settings.rate, reuse: settings.reuse };
     rooms.resize_with(rayon::current_num_threads(), Mutex::default);
     touches
         .runs
@@ -107,6 +110,8 @@ struct Look<'a, S> {
     ground: Ground<'a>,
     surface: &'a S,
     desk: &'a Desk<'a>,
+    /// Length of the step, s.
+    dt: f32,
     /// Whether what is found serves for longer than a step.
     reuse: bool,
 }
@@ -134,7 +139,8 @@ pub(crate) struct Fresh {
     all_lanes: Vec<Lane>,
     locals: Vec<Local>,
     olds: Vec<(Manifold, Memory)>,
-    goes_on: Vec<bool>,
+    news: Vec<(Manifold, Memory)>,
+    recognition: Recognition,
 }
 
 impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
@@ -155,11 +161,10 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
     }
 
     /// Runs the pair function. Returns for how long its contacts may follow the bodies.
-    fn meet(&self, [a, b]: [usize; 2], balls: bool, recall: &mut Recall, out: &mut Vec<Local>) -> Leash {
-        let Ground { bodies, shapes, .. } = self.ground;
-        let shape = |row: usize| shapes.get(bodies.shapes[row] as usize);
-        let (Some(shape_a), Some(shape_b)) = (shape(a), shape(b)) else { return Leash::default() };
-        let b_in_a = bodies.shape_pose(a).see(&bodies.shape_pose(b));
+    fn meet(&self, [a, b]: [usize; 2], ahead: Ahead, recall: &mut Recall, out: &mut Vec<Local>) -> Leash {
+        let bodies = self.ground.bodies;
+        let [Some(shape_a), Some(shape_b)] = self.shapes([a, b]) else { return Leash::default() };
+        let b_in_a = ahead.b_in_a(bodies, [a, b]);
         let margin = bodies.reaches[a] + bodies.reaches[b];
         let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
         if !out.is_empty() {
@@ -170,8 +175,29 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
             recall.set(count, 0.0);
             return Leash::default();
         }
-        recall.set(count, apart - margin);
+        recall.set(count, apart - margin - ahead.way);
+        let balls = bodies.balls[a] && bodies.balls[b];
         leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
+    }
+
+    /// How far a point of two bodies may have gone in a step, metres, and be the same under a new name. A contact of round fields that roll on each other goes from sample to sample.
+    fn reach_of_names(&self, pair: [usize; 2]) -> f32 {
+        self.shapes(pair).into_iter().flatten().fold(0.0, |reach, shape| match shape {
+            Shape::Field(_) => reach.max(shape.contact_scale()),
+            _ => reach,
+        })
+    }
+
+    fn shapes(&self, pair: [usize; 2]) -> [Option<&Shape>; 2] {
+        pair.map(|row| self.ground.shapes.get(self.ground.bodies.shapes[row] as usize))
+    }
+
+    /// For how long a pair, which touches already or does not, is moved ahead.
+    fn ahead(&self, pair: [usize; 2], touches: bool) -> Ahead {
+        match self.shapes(pair) {
+            [Some(a), Some(b)] if touches => Ahead::new(self.ground.bodies, pair, [a, b], self.dt),
+            _ => Ahead::default(),
+        }
     }
 
     /// Whether contacts move one of two bodies in this step.
@@ -285,21 +311,28 @@ impl Fresh {
         let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
         self.locals.clear();
         let balls = bodies.balls[a] && bodies.balls[b];
-        let leash = look.meet([a, b], balls, &mut recall, &mut self.locals);
+        let ahead = look.ahead([a, b], !lanes.is_empty());
+        let leash = look.meet([a, b], ahead, &mut recall, &mut self.locals);
+        let (turn, offset) = ahead.axes(bodies, [a, b]);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
-        // Of two manifolds that both know an old one the first goes on in its place.
-        self.goes_on.clear();
-        self.goes_on.resize(lanes.len(), false);
-        for (local, ordinal) in self.locals.iter().zip(0..) {
-            if !is_finite(local) {
+        self.news.clear();
+        for local in &self.locals {
+            if is_finite(local) {
+                let (mut manifold, memory) = named(rows(key), local, &turn, bodies.centers[a]);
+                let Manifold { count, normal, arms, distances, .. } = &mut manifold;
+                let (arms, distances) = (&arms[..*count as usize], &mut distances[..*count as usize]);
+                ahead.take_back(bodies, [a, b], offset, *normal, arms, distances);
+                self.news.push((manifold, memory));
+            } else {
                 changes.broken.push(a);
-                continue;
             }
-            let (mut manifold, mut memory, source) = recognise(bodies, rows(key), local, &self.olds);
-            let source = source.filter(|&i| !self.goes_on[i]);
+        }
+        let reach = look.reach_of_names([a, b]);
+        self.recognition.recognise(&mut self.news, &self.olds, reach);
+        for (&(mut manifold, mut memory), ordinal) in self.news.iter().zip(0..) {
+            let source = self.recognition.source(ordinal as usize);
             if let Some(i) = source {
-                self.goes_on[i] = true;
                 let (old, known) = &self.olds[i];
                 // A colour goes with the rows that it is taken at, which may be those of copies.
                 (manifold.a, manifold.b, memory.color) = (old.a, old.b, known.color);
@@ -310,7 +343,7 @@ impl Fresh {
                 manifold,
                 memory,
                 surface: (look.surface)(a, b),
-                offset: (bodies.positions[b] - bodies.positions[a]).as_vec3(),
+                offset,
                 active: look.is_active(key),
                 ordinal,
                 balls,
@@ -329,9 +362,11 @@ impl Fresh {
                 self.lanes.push(contact.lane);
             }
         }
-        for (&lane, _) in lanes.iter().zip(&self.goes_on).filter(|(_, goes_on)| !**goes_on) {
-            desk.clear(lane, true);
-            changes.freed.push(lane);
+        for (i, &lane) in lanes.iter().enumerate() {
+            if !self.recognition.goes_on(i) {
+                desk.clear(lane, true);
+                changes.freed.push(lane);
+            }
         }
         recall
     }
@@ -373,63 +408,17 @@ fn is_finite(local: &Local) -> bool {
         && local.points().iter().all(|p| p.position.is_finite() && p.distance.is_finite())
 }
 
-/// How far a point may have gone in a step to be taken for the same under a new name, as a share of its arm.
-const SAME: f32 = 0.05;
-
-/// Turns a manifold into the world's axes and gives it the impulses of its points' namesakes. Returns also of which manifold of
-/// the last step those are.
-///
-/// Where two faces cover each other, as in a tower of equal boxes, rounding decides which corner or crossing of edges names
-/// a point, and names change from step to step. So a point without a namesake takes the impulse of the nearest point that
-/// has none either.
-fn recognise(
-    bodies: &Bodies,
-    (a, b): (u32, u32),
-    local: &Local,
-    olds: &[(Manifold, Memory)],
-) -> (Manifold, Memory, Option<usize>) {
-    let turn = Mat3::from_quat(bodies.rotations[a as usize]);
-    let mut manifold =
-        Manifold { a, b, count: local.count, normal: turn * local.normal, ..Manifold::default() };
+/// A manifold in axes that `turn` takes those of A's shape to, with the names of its points. `center` is A's middle in those of its shape.
+fn named((a, b): (u32, u32), local: &Local, turn: &Mat3, center: Vec3) -> (Manifold, Memory) {
+    let normal = *turn * local.normal;
+    let mut manifold = Manifold { a, b, count: local.count, normal, ..Manifold::default() };
     let mut memory = Memory { color: NO_COLOR, ..Memory::default() };
     for (p, point) in local.points().iter().enumerate() {
-        manifold.arms[p] = turn * (point.position - bodies.centers[a as usize]);
+        manifold.arms[p] = *turn * (point.position - center);
         manifold.distances[p] = point.distance;
         memory.features[p] = point.feature;
     }
-    let namesake = |feature: u32, old: usize| {
-        let (manifold, memory) = &olds[old];
-        memory.features[..manifold.count as usize].iter().position(|&f| f == feature)
-    };
-    let knows = |old: &usize| local.points().iter().any(|p| namesake(p.feature, *old).is_some());
-    // A convex pair has one manifold, which goes on even where all of its points have new names.
-    let source = (0..olds.len()).find(knows).or((olds.len() == 1).then_some(0));
-    if let Some(i) = source {
-        let (before, old) = &olds[i];
-        let (mut free_old, mut free_new) = ([true; 4], [true; 4]);
-        for (p, point) in local.points().iter().enumerate() {
-            if let Some(q) = namesake(point.feature, i) {
-                memory.normals[p] = old.normals[q];
-                (free_old[q], free_new[p]) = (false, false);
-            }
-        }
-        for p in (0..local.count as usize).filter(|&p| free_new[p]) {
-            let arm = manifold.arms[p];
-            let mut nearest = (SAME * SAME * arm.length_squared(), None);
-            for q in (0..before.count as usize).filter(|&q| free_old[q]) {
-                let way = (before.arms[q] - arm).length_squared();
-                if way < nearest.0 {
-                    nearest = (way, Some(q));
-                }
-            }
-            if let Some(q) = nearest.1 {
-                memory.normals[p] = old.normals[q];
-                free_old[q] = false;
-            }
-        }
-        (memory.friction, memory.twist, memory.rolling) = (old.friction, old.twist, old.rolling);
-    }
-    (manifold, memory, source)
+    (manifold, memory)
 }
 
 #[cfg(test)]
@@ -465,7 +454,7 @@ mod tests {
         let bodies = Bodies::new();
         let tree = Tree::default();
         let ground = Ground { bodies: &bodies, shapes: &[], tree: &tree };
-        let look = Look { ground, surface: &surface, desk: &contacts.desk(1), reuse: true };
+        let look = Look { ground, surface: &surface, desk: &contacts.desk(1), dt: 1.0, reuse: true };
         fresh.replace(&mut anew, &look, &mut made_anew);
 
         assert_eq!(in_place.slots, [2, 3]);

@@ -6,7 +6,7 @@ use rockfall_math::Vec3;
 use rockfall_shape::SAMPLES_IN_A_BALL;
 
 /// The way to the other body may leave the cone of the surface's own normals by this angle, as cosine and sine: 60°. The nearest place may be a little further along a surface that bends.
-const NEARLY: [f32; 2] = [0.5, 0.866];
+pub(super) const NEARLY: [f32; 2] = [0.5, 0.866];
 
 /// The same for points that stay where they are: 4°. A point of a floor beside the foot of what stands on it looks past its edge, and beside the place where two round bodies touch there are only points
 /// that come near later or never.
@@ -16,7 +16,7 @@ pub(super) const FACING: [f32; 2] = [0.997_56, 0.069_76];
 const OPPOSITE: f32 = 0.999_9;
 
 /// A ball that is nearer than this share of the distance of its middle is looked into, also where it is out of reach: otherwise nobody would know how far the bodies are apart.
-const WORTH: f32 = 0.3;
+pub(super) const WORTH: f32 = 0.3;
 
 /// Of the samples in a small ball that are further apart from the other body than this share of the spacing, the nearest one stands for all: bodies that come fast see hundreds.
 const TOUCHING: f32 = 0.25;

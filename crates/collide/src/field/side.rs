@@ -80,6 +80,18 @@ impl<'a> Side<'a> {
         Some(near.distance as f32)
     }
 
+    /// The exact signed distance of a point from the mesh of a field, which says that it is `about` so much, and the way along which it grows.
+    pub(super) fn exact(&self, p: Vec3, about: f32) -> Option<Near> {
+        let field = self.field()?;
+        let own = self.place.inverse_point(p).as_dvec3();
+        let limit = f64::from(about.abs() + field.bound(about));
+        let near = field.mesh().nearest(own, limit)?;
+        // Next to the surface the way is rounding.
+        let way = (own - near.point).normalize_or_zero() * near.distance.signum();
+        let normal = if near.distance.abs() > 1e-3 * limit { way } else { near.normal };
+        Some(Near { distance: near.distance as f32, normal: self.place.vector(normal.as_vec3()) })
+    }
+
     pub(super) fn nearest(&self, p: Vec3, limit: f32) -> Option<Near> {
         let own = self.place.inverse_point(p);
         let (distance, normal) = match self.shape {

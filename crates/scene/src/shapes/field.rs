@@ -67,7 +67,9 @@ fn cook(table: &Table, context: &Cook<'_>) -> Result<Shape, Problem> {
         {
             "spacing"
         }
-        rockfall_shape::FieldError::Open { .. } | rockfall_shape::FieldError::InsideOut => source,
+        rockfall_shape::FieldError::Open { .. }
+        | rockfall_shape::FieldError::InsideOut
+        | rockfall_shape::FieldError::Crossed { .. } => source,
         _ => "error",
     };
     Ok(Shape::Field(Arc::new(field.map_err(|why| failed(table, key(&why), why))?)))

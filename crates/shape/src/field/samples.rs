@@ -182,7 +182,7 @@ fn about(mesh: &Mesh, spacing: f32) -> usize {
 }
 
 /// The corners of a mesh in their order.
-fn corners(mesh: &Mesh) -> Vec<Sample> {
+pub(super) fn corners(mesh: &Mesh) -> Vec<Sample> {
     let mut first = vec![None; mesh.vertices.len()];
     for (t, corners) in mesh.triangles.iter().enumerate() {
         for (k, &c) in corners.iter().enumerate() {
@@ -207,7 +207,7 @@ fn corners(mesh: &Mesh) -> Vec<Sample> {
     samples
 }
 
-fn normal(mesh: &Mesh, triangle: usize, part: TrianglePart) -> Vec3 {
+pub(super) fn normal(mesh: &Mesh, triangle: usize, part: TrianglePart) -> Vec3 {
     let own = mesh.normals[triangle].as_dvec3();
     mesh.pseudonormal(triangle, part).normalize_or(own).as_vec3()
 }

@@ -5,7 +5,7 @@
 
 use super::octree::{LEAF, Octree};
 use super::samples::{Sample, Samples};
-use super::{Field, FieldError, FieldSettings, check};
+use super::{Features, Field, FieldError, FieldSettings, check};
 use crate::Mesh;
 use rockfall_math::Vec3;
 use rockfall_math::snapshot::{Error, Reader, Writer};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 use xxhash_rust::xxh3::Xxh3;
 
 /// Has to change whenever the same mesh and settings give other bits.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Where [`Field::cached`] had a field from.
 #[derive(Debug)]
@@ -79,7 +79,7 @@ fn write(path: &Path, field: &Field) -> std::io::Result<()> {
 }
 
 fn put(field: &Field, to: &mut BufWriter<&mut File>) -> Result<(), Error> {
-    let Field { mesh: _, settings: _, octree, samples, inner, key } = field;
+    let Field { mesh: _, settings: _, octree, samples, features: _, inner, key } = field;
     let Octree { origin, cell, size, roots, nodes, leaves } = octree;
     let mut writer = Writer::new(to)?;
     writer.text("key", &format!("{key:032x}"))?;
@@ -129,7 +129,8 @@ fn read(path: &Path, mesh: &Arc<Mesh>, settings: FieldSettings) -> Result<Field,
     let points = positions.into_iter().zip(normals).zip(cones);
     let samples = points.map(|((position, normal), cone)| Sample { position, normal, cone }).collect();
     let samples = Samples::in_order(samples);
-    Ok(Field { mesh: mesh.clone(), settings, octree, samples, inner, key })
+    let features = Features::of(mesh, &samples, settings.spacing);
+    Ok(Field { mesh: mesh.clone(), settings, octree, samples, features, inner, key })
 }
 
 fn eights<T: Copy + Default>(name: &str, column: &[T]) -> Result<Vec<[T; 8]>, Error> {

@@ -212,6 +212,66 @@ fn the_inner_ball_is_inside() {
     assert!((exact + f64::from(radius)).abs() < 1e-6);
 }
 
+/// Two cubes of 0.1 m, the second one moved along x.
+fn two_cubes(shift: f32) -> Mesh {
+    let hull = Hull::cuboid(Vec3::splat(0.05));
+    let one = triangles_of(&hull);
+    let vertices: Vec<Vec3> = hull
+        .vertices
+        .iter()
+        .copied()
+        .chain(hull.vertices.iter().map(|v| *v + shift * Vec3::new(1.0, 0.1, 0.2)))
+        .collect();
+    let triangles: Vec<[u32; 3]> = one.iter().copied().chain(one.iter().map(|t| t.map(|c| c + 8))).collect();
+    Mesh::from_triangles(&vertices, &triangles).unwrap()
+}
+
+#[test]
+fn parts_that_lie_within_each_other_are_refused() {
+    let made = |shift: f32| Field::new(Arc::new(two_cubes(shift)), FieldSettings::with_error(2e-3));
+    for shift in [0.05, 0.09, 0.0995] {
+        let Err(FieldError::Crossed { count, of, at }) = made(shift) else { panic!("at {shift}") };
+        assert!(count > 0 && count < of);
+        // Where they overlap, or no further off than the error.
+        assert!(at.x > shift - 0.05 - 3e-3 && at.x < 0.05 + 3e-3, "{at}");
+    }
+    for shift in [0.105, 0.2] {
+        assert!(made(shift).is_ok(), "{shift}");
+    }
+}
+
+#[test]
+fn every_corner_and_edge_that_sticks_out_is_known_to_a_sample_near_it() {
+    for (name, mesh, error) in bodies() {
+        let field = field(mesh, error);
+        let (features, samples, mesh) = (field.features(), field.samples().points(), field.mesh());
+        let spacing = field.settings().spacing;
+        let mut corners = vec![f32::INFINITY; mesh.vertices.len()];
+        let mut edges = vec![Vec::new(); features.edges().len()];
+        for (i, sample) in samples.iter().enumerate() {
+            for feature in features.near(i) {
+                match feature {
+                    Feature::Corner(v) => {
+                        corners[v as usize] = sample.position.distance(mesh.vertices[v as usize])
+                    }
+                    Feature::Edge(e) => edges[e as usize].push(sample.position),
+                }
+            }
+        }
+        for (edge, known) in features.edges().iter().zip(&edges) {
+            let [a, b] = edge.ends.map(|v| mesh.vertices[v as usize]);
+            assert!(edge.ends.iter().all(|&v| corners[v as usize] <= spacing), "{name}");
+            for k in 0..=10 {
+                let p = a + (b - a) * (k as f32 / 10.0);
+                assert!(known.iter().any(|q| q.distance(p) <= spacing), "{name}: {p}");
+            }
+        }
+        let convex =
+            mesh.edges.as_flattened().iter().filter(|kind| **kind == crate::EdgeKind::Convex).count();
+        assert_eq!(2 * features.edges().len(), convex, "{name}");
+    }
+}
+
 #[test]
 fn what_has_no_field_says_why() {
     let message = |mesh: Mesh, settings| Field::new(Arc::new(mesh), settings).unwrap_err().to_string();

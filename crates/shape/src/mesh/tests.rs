@@ -137,3 +137,43 @@ fn input_that_makes_no_mesh_is_refused() {
     let line = [Vec3::ZERO, Vec3::X, 2.0 * Vec3::X];
     assert_eq!(message(&line, &[[0, 1, 2], [0, 0, 1]]), "none of the 2 triangles of the mesh has an area");
 }
+
+#[test]
+fn a_surface_goes_around_a_point_as_often_as_it_is_nested() {
+    let (vertices, triangles) = soup(Vec3::ONE);
+    let twice = |shift: Vec3, scale: f32, turned: bool| {
+        let more = vertices.iter().map(|v| shift + scale * *v);
+        let count = vertices.len() as u32;
+        let swapped = |t: &[u32; 3]| if turned { [t[0], t[2], t[1]] } else { *t };
+        let second = triangles.iter().map(|t| swapped(&t.map(|c| c + count)));
+        let all: Vec<Vec3> = vertices.iter().copied().chain(more).collect();
+        Mesh::from_triangles(&all, &triangles.iter().copied().chain(second).collect::<Vec<_>>()).unwrap()
+    };
+    let at = |mesh: &Mesh, x: f64| mesh.winding(rockfall_math::DVec3::new(x, 0.1, 0.05));
+    let one = cube();
+    assert_eq!([-1.5, 0.0, 0.9, 1.1].map(|x| at(&one, x)), [Some(0), Some(1), Some(1), Some(0)]);
+    let overlapping = twice(Vec3::X, 1.0, false);
+    assert_eq!([-0.5, 0.5, 1.5, 2.5].map(|x| at(&overlapping, x)), [Some(1), Some(2), Some(1), Some(0)]);
+    let hollow = twice(Vec3::ZERO, 0.5, true);
+    assert_eq!([0.0, 0.7, 1.2].map(|x| at(&hollow, x)), [Some(0), Some(1), Some(0)]);
+}
+
+/// Every ray of a fine torus counts the same, also where it passes next to edges.
+#[test]
+fn the_count_is_that_of_a_torus() {
+    let line: Vec<_> = (0..24)
+        .map(|k| {
+            let (sin, cos) = rockfall_math::trig::sin_cos(std::f32::consts::TAU * k as f32 / 24.0);
+            rockfall_math::Vec2::new(1.0 + 0.4 * cos, 0.4 * sin)
+        })
+        .collect();
+    let mesh = Mesh::turned(&line, 48).unwrap();
+    for i in 0..20_000_u32 {
+        let p = [i % 27, i / 27 % 27, i / 729].map(|k| f64::from(k) / 9.0 - 1.5 + 1e-3 * f64::from(i % 7));
+        let p = rockfall_math::DVec3::from(p);
+        let near = mesh.nearest(p, f64::INFINITY).unwrap().distance;
+        if near.abs() > 1e-9 {
+            assert_eq!(mesh.winding(p), Some(i32::from(near < 0.0)), "{p}");
+        }
+    }
+}

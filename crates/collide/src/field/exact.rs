@@ -1,0 +1,235 @@
+//! Contact of two fields by the corners and edges of their meshes.
+//!
+//! Two solids with flat sides touch where a corner of one meets the other, or where two edges cross. The samples of both tell which corners and edges are near
+//! the other body, without a look at the rest; what is told of those is exact, and has the same name as long as they meet. A point of the surface that is only near that place would be off by as much as the two surfaces
+//! bend away from each other on the way, and bodies that hang in each other would be kept trembling by it.
+//!
+//! A corner counts where the way to the other body lies within the normals of the sides around it, two edges where their common normal lies within those of both: there, nothing beside them is nearer.
+
+use super::gather::{Contact, FACING, NEARLY, WORTH, within};
+use super::side::{Near, Side};
+use rockfall_math::{Vec3, hash, trig};
+use rockfall_shape::{Feature, Field, SAMPLES_IN_A_BALL};
+
+/// Edges whose directions have a smaller sine of the angle between them are parallel: corners carry them.
+const PARALLEL: f32 = 0.03;
+
+/// Samples nearer than this share of their spacing tell of what is touched.
+const NEAR: f32 = 0.5;
+
+/// The most by which edges that cross overlap, in spacings of the samples.
+const OVERLAP: f32 = 1.25;
+
+/// Share of the depth that two edges would have below each other's sides, if nothing else were near.
+const DEEP: f32 = 0.9;
+
+/// So much of the spacing a point of an edge that lies in a side may stick out of it.
+const ROUNDING: f32 = 1e-2;
+
+/// Kinds of names: of a corner, of two edges, of a sample; besides of which body.
+const OF_EDGES: u32 = 1 << 30;
+const OF_SAMPLES: u32 = 1 << 29;
+const OF_ONE: u32 = OF_SAMPLES - 1;
+
+/// An edge in A's frame.
+struct Edge {
+    number: u32,
+    start: Vec3,
+    along: Vec3,
+    out: Vec3,
+    cone: f32,
+}
+
+/// Two fields.
+pub(super) struct Two<'a, 'b> {
+    pub(super) sides: [&'a Side<'b>; 2],
+    pub(super) fields: [&'a Field; 2],
+    pub(super) margin: f32,
+    /// Samples up to there are looked at.
+    pub(super) reach: f32,
+    pub(super) spacing: f32,
+}
+
+impl Two<'_, '_> {
+    /// Appends the contacts. Returns how far apart the two are at least, as far as their samples know.
+    pub(super) fn contacts(&self, out: &mut Vec<Contact>) -> f32 {
+        let mut edges = [Vec::new(), Vec::new()];
+        let mut hidden = None;
+        let mut least = f32::INFINITY;
+        for (k, edges) in edges.iter_mut().enumerate() {
+            let mut features = Vec::new();
+            least = least.min(self.near(k, &mut features, out));
+            for feature in features {
+                match feature {
+                    Feature::Corner(vertex) => self.corner(k, vertex, out, &mut hidden),
+                    Feature::Edge(number) => edges.push(self.edge(k, number)),
+                }
+            }
+        }
+        self.crossings(&mut edges, out);
+        // Where two bodies overlap and nothing else touches there is a contact, whichever way the surfaces look.
+        if out.is_empty() {
+            out.extend(hidden);
+        }
+        least
+    }
+
+    /// Body number `k`, and the other one.
+    fn of(&self, k: usize) -> (&Side<'_>, &Field, &Side<'_>, &Field) {
+        (self.sides[k], self.fields[k], self.sides[1 - k], self.fields[1 - k])
+    }
+
+    /// Collects the features of a body that its samples know to be near the other one, ascending. Of what is further away, or deep in it, the nearest sample of each small ball stands for the others, since bodies that come fast see
+    /// hundreds; further away it is enough to meet it as exactly as the field says. Returns how far all others are at least.
+    fn near(&self, k: usize, features: &mut Vec<Feature>, out: &mut Vec<Contact>) -> f32 {
+        let (own, field, other, _) = self.of(k);
+        let mut least = f32::INFINITY;
+        let mut near: Vec<(usize, f32)> = Vec::new();
+        let points = field.samples().points();
+        field.samples().search(
+            |center, radius| {
+                let Some(distance) = other.least_distance(own.place.point(center), self.reach + radius)
+                else {
+                    return false;
+                };
+                let inside = distance - radius;
+                if inside > self.reach && inside >= WORTH * distance {
+                    least = least.min(inside);
+                    return false;
+                }
+                true
+            },
+            |i| {
+                let distance = other.distance(own.place.point(points[i].position), self.reach);
+                near.extend(distance.map(|distance| (i, distance)));
+            },
+        );
+        for ball in near.chunk_by(|(i, _), (j, _)| i / SAMPLES_IN_A_BALL == j / SAMPLES_IN_A_BALL) {
+            let touching = |&&(_, distance): &&(usize, f32)| distance <= NEAR * self.spacing;
+            ball.iter().filter(touching).for_each(|&(i, _)| features.extend(field.features().near(i)));
+            let first = ball.iter().reduce(|one, two| if two.1 < one.1 { two } else { one });
+            let Some(&(i, distance)) = first else { continue };
+            least = least.min(distance);
+            let by_features = (-self.spacing..=NEAR * self.spacing).contains(&distance);
+            if !by_features && distance <= self.margin {
+                out.extend(self.sample(k, i));
+            }
+        }
+        features.sort_unstable();
+        features.dedup();
+        least
+    }
+
+    fn sample(&self, k: usize, i: usize) -> Option<Contact> {
+        let (own, field, other, _) = self.of(k);
+        let sample = &field.samples().points()[i];
+        let p = own.place.point(sample.position);
+        let about = other.nearest(p, self.reach)?;
+        let (there, beside) = match about.distance > 0.0 {
+            true => (about, NEARLY),
+            false => (other.exact(p, about.distance)?, FACING),
+        };
+        let facing = own.place.vector(sample.normal).dot(-there.normal);
+        let name = i as u32 & OF_ONE | OF_SAMPLES;
+        within(facing, sample.cone, beside).then(|| Contact::new(k == 1, p, there, name))
+    }
+
+    /// A corner in the other body. One that lies in it and does not face it is `hidden`; of several, the deepest.
+    fn corner(&self, k: usize, vertex: u32, out: &mut Vec<Contact>, hidden: &mut Option<Contact>) {
+        let (own, field, other, beyond) = self.of(k);
+        let p = own.place.point(field.mesh().vertices[vertex as usize]);
+        let Some(about) = other.distance(p, f32::INFINITY) else { return };
+        if about > self.margin + beyond.bound(about) {
+            return;
+        }
+        let Some(there) = other.exact(p, about).filter(|there| there.distance <= self.margin) else { return };
+        let normals = field.features().corner(vertex);
+        let facing = own.place.vector(normals.out).dot(-there.normal);
+        let contact = Contact::new(k == 1, p, there, vertex & OF_ONE);
+        if within(facing, normals.cone, FACING) {
+            out.push(contact);
+        } else if there.distance <= 0.0 && hidden.is_none_or(|known| there.distance < known.distance) {
+            *hidden = Some(contact);
+        }
+    }
+
+    /// An edge in A's frame.
+    fn edge(&self, k: usize, number: u32) -> Edge {
+        let (own, field) = (self.sides[k], self.fields[k]);
+        let edge = field.features().edges()[number as usize];
+        let [start, end] = edge.ends.map(|v| own.place.point(field.mesh().vertices[v as usize]));
+        let out = own.place.vector(edge.normals.out);
+        Edge { number, start, along: end - start, out, cone: edge.normals.cone }
+    }
+
+    /// All crossings; of the second body's edges, which are sorted along x, only those are tried that may reach so far.
+    fn crossings(&self, [ones, twos]: &mut [Vec<Edge>; 2], out: &mut Vec<Contact>) {
+        twos.sort_by(|one, two| one.start.x.total_cmp(&two.start.x).then(one.number.cmp(&two.number)));
+        let most = self.margin.max(OVERLAP * self.spacing);
+        let widest = twos.iter().fold(0.0_f32, |widest, two| widest.max(two.along.length()));
+        for one in ones {
+            let middle = one.start + 0.5 * one.along;
+            let width = one.along.x.abs() + widest + most;
+            let (low, high) = (middle.x - width, middle.x + width);
+            let from = twos.partition_point(|two| two.start.x < low);
+            for two in twos[from..].iter().take_while(|two| two.start.x <= high) {
+                let far = 0.5 * (one.along.length() + two.along.length()) + most;
+                if middle.distance_squared(two.start + 0.5 * two.along) <= far * far {
+                    out.extend(self.crossing(one, two));
+                }
+            }
+        }
+    }
+
+    /// The contact of two edges that cross.
+    fn crossing(&self, one: &Edge, two: &Edge) -> Option<Contact> {
+        let (on_one, on_two, normal) = nearest(one, two)?;
+        let distance = normal.dot(on_two - on_one);
+        let faces = |edge: &Edge, cosine: f32| within(cosine, edge.cone, FACING);
+        if distance > self.margin || !faces(one, normal.dot(one.out)) || !faces(two, -normal.dot(two.out)) {
+            return None;
+        }
+        let overlap = -distance / self.spacing;
+        if overlap > OVERLAP {
+            return None;
+        }
+        // A crossing that is deep is one only where each edge lies as deep below the other body's sides as their common normal says: otherwise a shorter way parts them. Where it is not, other sides of a fine mesh may be as
+        // near, and it is enough that each lies in the other body.
+        let is_in = |k: usize, p: Vec3, edge: &Edge, cosine: f32| {
+            if overlap <= NEAR {
+                let error = self.fields[k].settings().error;
+                return self.sides[k].distance(p, 0.0).is_some_and(|distance| distance <= error);
+            }
+            let turned = trig::acos(edge.cone.clamp(-1.0, 1.0)) + trig::acos(cosine.clamp(-1.0, 1.0));
+            let below = trig::sin_cos(turned).1.max(0.0) * DEEP * distance + ROUNDING * self.spacing;
+            self.sides[k].exact(p, distance).is_some_and(|there| there.distance <= below)
+        };
+        let both =
+            || is_in(1, on_one, two, -normal.dot(two.out)) && is_in(0, on_two, one, normal.dot(one.out));
+        if overlap > 0.0 && !both() {
+            return None;
+        }
+        let name = hash::combine(u64::from(one.number), u64::from(two.number)) as u32;
+        let contact =
+            Contact::new(false, on_one, Near { distance, normal: -normal }, name & OF_ONE | OF_EDGES);
+        Some(Contact { position: 0.5 * (on_one + on_two), ..contact })
+    }
+}
+
+/// The nearest points of two edges, if they are not the ends, and their common normal, out of the first.
+fn nearest(one: &Edge, two: &Edge) -> Option<(Vec3, Vec3, Vec3)> {
+    let between = two.start - one.start;
+    let cross = one.along.cross(two.along);
+    let squared = cross.length_squared();
+    if squared <= PARALLEL * PARALLEL * one.along.length_squared() * two.along.length_squared() {
+        return None;
+    }
+    let s = between.cross(two.along).dot(cross) / squared;
+    let t = between.cross(one.along).dot(cross) / squared;
+    if !(0.0..=1.0).contains(&s) || !(0.0..=1.0).contains(&t) {
+        return None;
+    }
+    let normal = cross / squared.sqrt();
+    let normal = if normal.dot(one.out) < 0.0 { -normal } else { normal };
+    Some((one.start + s * one.along, two.start + t * two.along, normal))
+}
