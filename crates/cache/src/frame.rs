@@ -1,7 +1,7 @@
 //! What a run says of one moment.
 
 use crate::{Contacts, Error, Event, Values};
-use rockfall::{BodyId, StepReport};
+use rockfall::{BodyId, StepReport, World};
 use rockfall_math::{DVec3, Pose, Quat, Vec3};
 
 /// What stays the same of each body during a run. A body's row here is its row in every frame.
@@ -61,6 +61,26 @@ impl Poses {
             self.positions[3 * row..3 * row + 3].copy_from_slice(&position.to_array());
             self.orientations[4 * row..4 * row + 4].copy_from_slice(&pose.rotation.to_array());
         }
+        Ok(())
+    }
+
+    /// [`Poses::gather`] of what `world` holds, whose ids are `ids`; by all of its threads where all bodies of the table are there.
+    ///
+    /// # Errors
+    /// As [`Poses::gather`].
+    pub fn take(
+        &mut self,
+        world: &World,
+        ids: &[BodyId],
+        table: &BodyTable,
+        origin: DVec3,
+    ) -> Result<(), Error> {
+        if !ids.iter().map(|id| &id.0).eq(&table.ids) {
+            return self.gather(table, origin, ids, &world.poses());
+        }
+        self.positions.resize(3 * table.len(), f32::NAN);
+        self.orientations.resize(4 * table.len(), f32::NAN);
+        world.single_poses(origin, &mut self.positions, &mut self.orientations);
         Ok(())
     }
 

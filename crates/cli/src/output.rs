@@ -158,7 +158,7 @@ impl Output {
     pub(crate) fn push(&mut self, world: &World, report: Option<&StepReport>) -> Result<(), Failure> {
         let (mut poses, mut velocities) = self.writer.buffers();
         let ids = world.ids();
-        poses.gather(&self.table, self.origin, &ids, &world.poses())?;
+        poses.take(world, &ids, &self.table, self.origin)?;
         if self.velocities {
             velocities.gather(&self.table, &ids, &world.velocities())?;
         }

@@ -127,11 +127,11 @@ pub(crate) fn hash(bodies: &Bodies) -> u64 {
         if bodies.states[row] == State::Dead {
             return 0;
         }
-        let q = bodies.rotations[row];
-        let floats = [q.x, q.y, q.z, q.w].into_iter().chain(bodies.lines[row].motion[..6].iter().copied());
+        let (q, [vx, vy, vz, wx, wy, wz, ..]) = (bodies.rotations[row], bodies.lines[row].motion);
         let position = bodies.positions[row].to_array();
         let seed = combine(mix(bodies.ids[row]), position.iter().fold(0, |h, x| combine(h, x.to_bits())));
-        floats.fold(seed, |h, x| combine(h, u64::from(x.to_bits())))
+        let floats = [q.x, q.y, q.z, q.w, vx, vy, vz, wx, wy, wz];
+        floats.iter().fold(seed, |h, x| combine(h, u64::from(x.to_bits())))
     };
     (1..bodies.rows()).into_par_iter().with_min_len(1024).map(one).reduce(|| 0, u64::wrapping_add)
 }

@@ -48,6 +48,20 @@ impl World {
         self.by_id(|row| self.bodies.shape_pose(row))
     }
 
+    /// [`World::poses`] in single precision, written into arrays that are there: metres from `origin`, x, y, z of each body, and x, y, z, w of its
+    /// rotation. What has no room is left out.
+    pub fn single_poses(&self, origin: DVec3, positions: &mut [f32], rotations: &mut [f32]) {
+        let rows = self.sorted();
+        let places = positions.as_chunks_mut::<3>().0.par_iter_mut().zip(rotations.as_chunks_mut::<4>().0);
+        self.pool.install(|| {
+            places.zip(rows).with_min_len(1024).for_each(|((position, rotation), &row)| {
+                let pose = self.bodies.shape_pose(row as usize);
+                *position = (pose.position - origin).as_vec3().to_array();
+                *rotation = pose.rotation.to_array();
+            });
+        });
+    }
+
     /// Shape of each body, in the order of [`World::ids`].
     pub fn shapes_of_bodies(&self) -> Vec<ShapeId> {
         self.by_id(|row| ShapeId(self.bodies.shapes[row]))
