@@ -19,6 +19,8 @@ pub struct Content {
     pub density: Option<f32>,
     /// m/s², where the file says something of it.
     pub gravity: Option<DVec3>,
+    /// XXH3 of the bytes of the file, those that it refers to not included.
+    pub checksum: u64,
     /// What is there and can't be had, and what was taken for something else.
     pub notes: Vec<Note>,
 }

@@ -4,7 +4,10 @@ use crate::affine::Affine;
 use crate::content::Content;
 use crate::{gltf_scene, usd};
 use rockfall_math::{DMat3, DQuat, DVec3, Pose};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::Xxh3;
 
 /// Why a scene of another program can't be had.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -78,7 +81,8 @@ pub fn read(path: &Path, place: &Place) -> Result<Content, ImportError> {
         let thread = thread.map_err(|error| error.to_string())?;
         thread.join().unwrap_or_else(|_| Err("its reader gave up: the file is not sound".into()))
     });
-    let content = content.map_err(|reason| failed(crate::mesh_file::brief(&reason)))?;
+    let mut content = content.map_err(|reason| failed(crate::mesh_file::brief(&reason)))?;
+    content.checksum = checksum(path).map_err(|error| failed(error.to_string()))?;
     if content.bodies.is_empty() {
         let mut reason =
             "there is nothing to collide with in it, expected rigid bodies or colliders".to_owned();
@@ -88,4 +92,15 @@ pub fn read(path: &Path, place: &Place) -> Result<Content, ImportError> {
         return Err(failed(reason));
     }
     Ok(content)
+}
+
+fn checksum(path: &Path) -> std::io::Result<u64> {
+    let (mut file, mut hasher) = (File::open(path)?, Xxh3::new());
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok(hasher.digest()),
+            count => hasher.update(&buffer[..count]),
+        }
+    }
 }

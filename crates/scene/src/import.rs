@@ -49,6 +49,11 @@ position = [0, 0, 2]
             Ty::Material,
             "Name of the material of bodies that have none in the file; `default`, with the density of the file's format, where not given.",
         ),
+        optional(
+            "checksum",
+            Ty::Text,
+            "XXH3 of the file, 16 hexadecimal digits; a file with another one is refused. A run fills it in. Files that this one refers to are not part of it.",
+        ),
     ]],
 };
 
@@ -58,12 +63,18 @@ pub(crate) fn scene_of(path: &Path) -> Option<String> {
     Some(format!("[[imports]]\nfile = {}\n", toml::Value::String(name)))
 }
 
-/// Reads all files that the scene `root` imports, and takes gravity from them where it has none of its own.
+/// Reads all files that the scene `root` imports, fills in their checksums, and takes gravity from them where the scene has none of its own.
 pub(crate) fn read_all(root: &mut Table, problems: &mut Vec<Problem>) -> Vec<Arc<Content>> {
     let mut contents = Vec::new();
-    for table in root.tables("imports") {
+    let imports = root.entries.iter_mut().find(|(key, _)| *key == "imports");
+    let Some((_, Node { value: Value::List(tables), .. })) = imports else { return contents };
+    for node in tables {
+        let Value::Table(table) = &mut node.value else { continue };
         match read(table) {
-            Ok(content) => contents.push(Arc::new(content)),
+            Ok(content) => {
+                table.set("checksum", Value::Text(spell(content.checksum)));
+                contents.push(Arc::new(content));
+            }
             Err(problem) => problems.push(problem),
         }
     }
@@ -83,8 +94,18 @@ fn read(table: &Table) -> Result<Content, Problem> {
     let rotation = rotation::read(table, "rotation")?;
     let place =
         Place { pose: Pose { position: table.dvec3("position"), rotation }, scale: table.f64("scale") };
-    rockfall_import::read(Path::new(table.text("file")), &place)
-        .map_err(|error| Problem::at(table.span_of("file"), error.to_string()))
+    let content = rockfall_import::read(Path::new(table.text("file")), &place)
+        .map_err(|error| Problem::at(table.span_of("file"), error.to_string()))?;
+    let (known, found) = (table.text("checksum"), spell(content.checksum));
+    if table.has("checksum") && known != found {
+        let message = format!("{} has the checksum {found}: it was changed", table.text("file"));
+        return Err(Problem::at(table.span_of("checksum"), message).expecting(known));
+    }
+    Ok(content)
+}
+
+fn spell(checksum: u64) -> String {
+    format!("{checksum:016x}")
 }
 
 /// The name of the file that a table imports.

@@ -104,6 +104,10 @@ fn the_filled_scene_of_a_stage_is_the_same_scene() {
     assert_eq!(again, scene);
     assert_eq!(rendered(again.body_table()), rendered(scene.body_table()));
     assert_eq!(again.settings, scene.settings);
+    // A file that has changed since is another one.
+    std::fs::write(&path, STAGE.replace("double size = 100", "double size = 101")).unwrap();
+    let error = Scene::parse(&text, "scene.toml", "/nowhere").unwrap_err().to_string();
+    assert!(error.contains("stage.usda has the checksum") && error.contains("it was changed"), "{error}");
 }
 
 #[test]

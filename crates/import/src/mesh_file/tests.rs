@@ -464,7 +464,7 @@ fn broken_gltf_files_are_refused() {
         ),
         (
             with(r#""scene": 0"#, r#""extensionsRequired": ["KHR_draco_mesh_compression"], "scene": 0"#),
-            "extensionsRequired[0] = \"KHR_draco_mesh_compression\": Unsupported extension",
+            "it requires the extension KHR_draco_mesh_compression, which is not supported",
         ),
         (binary[..binary.len() - 40].to_vec(), cut_off),
         (binary[..16].to_vec(), cut_off),

@@ -217,6 +217,13 @@ mod tests {
     }
 
     #[test]
+    fn what_is_read_twice_is_one_body() {
+        let mut filters = bodies(2);
+        assert_eq!(filters.body("/w/b0", ["/w/b0/shape"].into_iter()), 0);
+        assert_eq!(filters.body("/w/b2", [].into_iter()), 2);
+    }
+
+    #[test]
     fn a_star_of_pairs_takes_two_classes_however_large_it_is() {
         let mut filters = bodies(200);
         filters.pairs.extend((1..200).map(|k| ("/w/b0".to_owned(), format!("/w/b{k}"))));
