@@ -90,8 +90,10 @@ impl Recognition {
     fn by_name(&mut self, n: usize, new: &mut Known, olds: &[Known]) {
         for p in 0..new.0.count as usize {
             let name = new.1.features[p];
-            let known = self.givers(n, new, olds).filter_map(|i| Some((i, namesake(name, &olds[i])?)));
-            let free = known.filter(|&(i, q)| !self.olds[i].1[q]).next();
+            let free = self.givers(n, new, olds).find_map(|i| {
+                let q = namesake(name, &olds[i])?;
+                (!self.olds[i].1[q]).then_some((i, q))
+            });
             self.pass(n, p, new, olds, free);
         }
     }
