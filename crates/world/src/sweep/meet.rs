@@ -116,10 +116,10 @@ impl Sky<'_> {
             near.extend(Some(other).filter(|&other| moves && self.scene.collide(flight.row, other)));
         };
         let reaches = |ways: &Ways, from: &Aabb| {
-            own.is_none_or(|own| !own.is_calm(ways)) && ways.from_where(area).overlaps(from)
+            own.is_none_or(|own| !own.is_calm(ways)) && ways.reached_from(area).overlaps(from)
         };
         let movers = &self.scene.trees.movers;
-        movers.query_where(&self.ways.all.from_where(area), &self.ways, reaches, &mut meets);
+        movers.query_where(&self.ways.all.reached_from(area), &self.ways, reaches, &mut meets);
         self.strays.query(area, &mut meets);
         self.strayed.iter().filter(|(_, theirs)| theirs.overlaps(area)).for_each(|(row, _)| meets(*row));
         near.sort_unstable();

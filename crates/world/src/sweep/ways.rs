@@ -50,7 +50,7 @@ impl Ways {
     }
 
     /// Where bodies must be at the start of the step to come into `area` in it.
-    pub(super) fn from_where(&self, area: &Aabb) -> Aabb {
+    pub(super) fn reached_from(&self, area: &Aabb) -> Aabb {
         let (low, high) = (self.low.min(Vec3::ZERO).as_dvec3(), self.high.max(Vec3::ZERO).as_dvec3());
         Aabb::around(area.min.as_dvec3() - high, area.max.as_dvec3() - low).grown(self.spin)
     }
@@ -82,10 +82,10 @@ mod tests {
     #[test]
     fn bodies_come_from_where_they_were() {
         let area = Aabb::new(Vec3::ZERO, Vec3::ONE);
-        let from = going(-2.0).join(going(0.5)).from_where(&area);
+        let from = going(-2.0).join(going(0.5)).reached_from(&area);
         assert_eq!(from, Aabb::new(Vec3::new(-0.5, 0.0, 0.0), Vec3::new(3.0, 1.0, 1.0)));
         // What turns only may reach out.
         let turns = Ways { spin: 0.25, ..going(0.0) };
-        assert_eq!(turns.from_where(&area), area.grown(0.25));
+        assert_eq!(turns.reached_from(&area), area.grown(0.25));
     }
 }
