@@ -52,10 +52,13 @@ enum Memory {
 
 type Pairs = [(Shape, Shape, Isometry)];
 
+/// What parry3d remembers of a pair.
+type PeerMemory = (Vec<ContactManifold<(), ()>>, Option<ContactManifoldsWorkspace>);
+
 /// The same pairs for parry3d, and what it remembers of each.
 struct Peer {
     shapes: Vec<[SharedShape; 2]>,
-    memories: Vec<(Vec<ContactManifold<(), ()>>, Option<ContactManifoldsWorkspace>)>,
+    memories: Vec<PeerMemory>,
 }
 
 impl Peer {
