@@ -22,7 +22,7 @@ pub fn mesh_file(folder: &Path, ending: &str, bytes: &[u8]) {
 /// Endings of the scenes of other programs that can be read.
 pub const IMPORTS: [&str; 5] = ["usda", "usdc", "usdz", "glb", "gltf"];
 
-/// A scene of another program in `folder`, as [`mesh_file`]: there is an error, or bodies with poses and shapes that are there.
+/// A scene of another program in `folder`, as [`mesh_file()`]: there is an error, or bodies with poses and shapes that are there.
 pub fn import(folder: &Path, ending: &str, bytes: &[u8]) {
     let path = folder.join(format!("scene.{ending}"));
     std::fs::write(&path, bytes).expect("room for a file");

@@ -26,6 +26,8 @@ pub(crate) struct Collider {
 pub(crate) struct Draft {
     pub(crate) name: String,
     pub(crate) kind: Kind,
+    /// Whether it only tells who is in it.
+    pub(crate) sensor: bool,
     /// To the world.
     pub(crate) frame: Affine,
     pub(crate) colliders: Vec<Collider>,
@@ -49,6 +51,7 @@ impl Draft {
         Draft {
             name,
             kind,
+            sensor: false,
             frame,
             colliders: Vec::new(),
             velocity: DVec3::ZERO,
@@ -180,6 +183,7 @@ impl Builder {
         Body {
             name: draft.name.clone(),
             kind: draft.kind,
+            sensor: draft.sensor,
             shape,
             material,
             pose: pose(&frame),

@@ -44,6 +44,8 @@ pub struct Body {
     pub name: String,
     /// Who moves it.
     pub kind: Kind,
+    /// Whether it collides with nothing, and tells who is in it.
+    pub sensor: bool,
     /// Index into [`Content::shapes`].
     pub shape: u32,
     /// Index into [`Content::materials`]; the scene's choice where `None`.

@@ -202,6 +202,7 @@ fn template(body: &Body, material: u32) -> Template {
             rockfall_import::Kind::Kinematic => Kind::Kinematic,
             rockfall_import::Kind::Static => Kind::Static,
         },
+        sensor: body.sensor,
         material,
         group: body.group,
         mask: body.mask,

@@ -73,8 +73,8 @@ impl Walk<'_> {
         }
         let place = parent.after(&local(node));
         let physical = self.physics.nodes.get(node.index()).cloned().unwrap_or_default();
-        if physical.trigger {
-            self.builder.note("a trigger is not supported", &name(node));
+        if let Some(geometry) = &physical.trigger {
+            self.trigger(node, geometry, &place, owner.is_some() || physical.motion.is_some())?;
         }
         if physical.joint {
             self.builder.note("a joint is not supported", &name(node));
@@ -159,6 +159,35 @@ impl Walk<'_> {
                 self.bodies.extend(self.builder.body(&draft));
             }
         }
+        Ok(())
+    }
+
+    /// A sensor that stands where it is; one that goes with a body is noted.
+    fn trigger(
+        &mut self,
+        node: &Node<'_>,
+        geometry: &Geometry,
+        place: &Affine,
+        owned: bool,
+    ) -> Result<(), String> {
+        if owned {
+            self.builder.note("a trigger that moves with a body is not supported", &name(node));
+            return Ok(());
+        }
+        let Some((form, turn)) = self.form(node, geometry)? else { return Ok(()) };
+        let form = match form {
+            Form::Mesh { soup, as_what: Approximation::Triangles } => {
+                self.builder.note("a triangle mesh of a trigger is taken as its convex hull", &name(node));
+                Form::Mesh { soup, as_what: Approximation::Hull }
+            }
+            other => other,
+        };
+        let place = place.after(&Affine::linear(turn));
+        let mut draft = Draft::new(name(node), Kind::Static, place);
+        (draft.group, draft.mask) = self.bits(geometry.filter);
+        draft.sensor = true;
+        draft.colliders.push(Collider { name: name(node), form, place, material: None, weight: None });
+        self.bodies.extend(self.builder.body(&draft));
         Ok(())
     }
 

@@ -44,7 +44,8 @@ pub(super) struct Filter {
 pub(super) struct Physical {
     pub(super) motion: Option<Motion>,
     pub(super) collider: Option<Geometry>,
-    pub(super) trigger: bool,
+    /// What only tells who is in it.
+    pub(super) trigger: Option<Geometry>,
     pub(super) joint: bool,
 }
 
@@ -96,7 +97,8 @@ impl Physics {
             physical(&node["extensions"][PHYSICS]).map_err(|why| format!("node {index}: {why}"))
         });
         let nodes = nodes.collect::<Result<Vec<Physical>, String>>()?;
-        if nodes.iter().all(|node| node.motion.is_none() && node.collider.is_none() && !node.trigger) {
+        if nodes.iter().all(|node| node.motion.is_none() && node.collider.is_none() && node.trigger.is_none())
+        {
             return Ok(None);
         }
         let shapes = list(&json["extensions"][SHAPES]["shapes"]).iter().map(shape);
@@ -208,22 +210,24 @@ fn material((number_of, value): (usize, &Value)) -> Result<Material, String> {
 
 fn physical(value: &Value) -> Result<Physical, String> {
     let there = |name: &str| value.get(name).is_some_and(|found| !found.is_null());
-    let collider = &value["collider"];
-    let keys = &collider["geometry"];
-    Ok(Physical {
-        motion: there("motion").then(|| motion(&value["motion"])).transpose()?,
-        collider: match there("collider") {
-            false => None,
-            true => Some(Geometry {
+    let geometry = |name: &str| -> Result<Option<Geometry>, String> {
+        let (owner, keys) = (&value[name], &value[name]["geometry"]);
+        let read = || -> Result<Geometry, String> {
+            Ok(Geometry {
                 shape: index(keys, "shape")?,
                 mesh: index(keys, "mesh")?,
                 node: index(keys, "node")?,
                 hull: keys["convexHull"].as_bool().unwrap_or(false),
-                material: index(collider, "physicsMaterial")?,
-                filter: index(collider, "collisionFilter")?,
-            }),
-        },
-        trigger: there("trigger"),
+                material: index(owner, "physicsMaterial")?,
+                filter: index(owner, "collisionFilter")?,
+            })
+        };
+        there(name).then(read).transpose()
+    };
+    Ok(Physical {
+        motion: there("motion").then(|| motion(&value["motion"])).transpose()?,
+        collider: geometry("collider")?,
+        trigger: geometry("trigger")?,
         joint: there("joint"),
     })
 }

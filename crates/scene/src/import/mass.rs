@@ -44,6 +44,7 @@ mod tests {
         Body {
             name: String::new(),
             kind: Kind::Dynamic,
+            sensor: false,
             shape: 0,
             material: None,
             pose: Pose::default(),
