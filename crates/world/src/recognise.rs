@@ -3,8 +3,9 @@
 //! Reads the manifolds that were found and those that were there; writes what each new one remembers, and in whose place it goes on.
 //!
 //! A point takes the impulse of its namesake. Where two faces cover each other, as in a tower of equal boxes, rounding decides which corner or crossing of edges names a
-//! point, and names change from step to step; so a point without a namesake takes the impulse of the nearest point that is left. The points of concave bodies go from one manifold of
-//! their pair to another: what counts is where and which way a point pushes, not in which company. No impulse is taken twice, and friction goes where the normal impulses go.
+//! point, and names change from step to step; so a point without a namesake takes the impulse of the nearest point that is left. The points of fields go from one manifold of
+//! their pair to another: what counts is where and which way a point pushes, not in which company; no impulse is taken twice, and friction goes where the normal impulses go. Done for hulls on triangles and for compounds as well, it
+//! slowed what runs through a pipe of triangles and let a bowl of hulls rock on; those keep to one manifold.
 
 use rockfall_solve::{Manifold, Memory};
 
@@ -24,6 +25,8 @@ pub(crate) struct Recognition {
     news: Vec<(Option<usize>, [bool; 4])>,
     /// Whether each old manifold goes on in its place, and which of its points are taken.
     olds: Vec<(bool, [bool; 4])>,
+    /// Whether points go from one manifold to another.
+    gives: bool,
     /// Of each old manifold, the normal impulses that each new one has taken; new ones run fastest.
     taken: Vec<f32>,
 }
@@ -40,7 +43,7 @@ impl Recognition {
     }
 
     /// Gives the new manifolds, whose names are set, what is remembered of the old ones. Points with other names that are further apart than `reach` metres, or a
-    /// twentieth of their arm where that is more, are different points.
+    /// twentieth of their arm where that is more, are different points. With a `reach`, which concave bodies have, points may change manifolds.
     pub(crate) fn recognise(&mut self, news: &mut [Known], olds: &[Known], reach: f32) {
         self.news.clear();
         self.news.resize(news.len(), Default::default());
@@ -48,13 +51,38 @@ impl Recognition {
         self.olds.resize(olds.len(), Default::default());
         self.taken.clear();
         self.taken.resize(news.len() * olds.len(), 0.0);
+        self.gives = false;
+        if reach > 0.0 {
+            self.over_all(news, olds, reach);
+        } else {
+            (0..news.len()).for_each(|n| self.within_one(n, &mut news[n], olds));
+        }
+    }
+
+    /// The points of a new manifold are those of one old one: of the first that has a namesake, or of the only one, whatever they are called and wherever it looks.
+    fn within_one(&mut self, n: usize, new: &mut Known, olds: &[Known]) {
+        let named = |old: &Known| names(new).any(|name| namesake(name, old).is_some());
+        let Some(i) = olds.iter().position(named).or((olds.len() == 1).then_some(0)) else { return };
+        let goes_on = self.olds[i].0;
+        self.olds[i].1 = [false; 4];
+        self.news[n].0 = Some(i);
+        self.by_name(n, new, olds);
+        self.by_nearness(n, new, olds, 0.0);
+        let old = &olds[i].1;
+        (new.1.friction, new.1.twist, new.1.rolling) = (old.friction, old.twist, old.rolling);
+        // Of two that both know an old one the first goes on in its place.
+        self.news[n].0 = Some(i).filter(|_| !goes_on);
+        self.olds[i].0 = true;
+    }
+
+    /// Points go from one manifold to another that pushes the same way, and none is taken twice.
+    fn over_all(&mut self, news: &mut [Known], olds: &[Known], reach: f32) {
+        self.gives = true;
         for (n, new) in news.iter().enumerate() {
             self.go_on(n, olds, |old| names(new).any(|name| namesake(name, old).is_some()));
         }
-        // A convex pair has one manifold, which goes on whatever it is called and wherever it looks.
-        let convex = olds.len() == 1;
         for (n, new) in news.iter().enumerate() {
-            self.go_on(n, olds, |old| convex || alike(new, old));
+            self.go_on(n, olds, |old| olds.len() == 1 || alike(new, old));
         }
         for (n, new) in news.iter_mut().enumerate() {
             self.by_name(n, new, olds);
@@ -83,7 +111,8 @@ impl Recognition {
         olds: &'a [Known],
     ) -> impl Iterator<Item = usize> + use<'a> {
         let source = self.news[n].0;
-        let others = (0..olds.len()).filter(move |&i| Some(i) != source && alike(new, &olds[i]));
+        let others = if self.gives { olds.len() } else { 0 };
+        let others = (0..others).filter(move |&i| Some(i) != source && alike(new, &olds[i]));
         source.into_iter().chain(others)
     }
 
@@ -206,7 +235,7 @@ mod tests {
             known(Vec3::Z, &[(0.0, 1, 0.0)]),
             known(Vec3::X, &[(0.5, 7, 0.0)]),
         ];
-        let (news, sources) = recognised(news, &olds, 0.0);
+        let (news, sources) = recognised(news, &olds, 1e-3);
         assert_eq!(sources, [Some(0), None, Some(1)]);
         assert_eq!([0, 1, 2].map(|n| news[n].1.normals[0]), [3.0, 1.0, 8.0]);
         assert_eq!([0, 1, 2].map(|n| news[n].1.friction.x), [3.0, 1.0, 8.0]);
