@@ -13,6 +13,17 @@ fn after(frames: u64, name: &str) -> World {
     for frame in 0..frames {
         running.before_step(frame).unwrap();
         running.world.step();
+        if frame % 40 == 39 {
+            let fast = (3..15)
+                .filter_map(|id| running.world.velocity(BodyId(id)).ok())
+                .map(|(v, w)| v.length() + 0.1 * w.length())
+                .fold(0.0f32, f32::max);
+            println!(
+                "{name} {frame} deepest {:.5} mean {:.6} fastest {fast:.4}",
+                running.world.report().deepest_penetration,
+                running.world.report().mean_penetration
+            );
+        }
     }
     assert!(matches!(running.world.shape(BodyId(2)), Ok(Shape::Field(_))));
     running.world

@@ -7,7 +7,7 @@
 use crate::ahead::Ahead;
 use crate::bodies::Bodies;
 use crate::recall::{Recall, leash};
-use crate::recognise::Recognition;
+use crate::recognise::recognise;
 use crate::seam::Ground;
 use crate::touches::{NEW, Run, Touches, rows};
 use crate::{Settings, Shape};
@@ -139,8 +139,7 @@ pub(crate) struct Fresh {
     all_lanes: Vec<Lane>,
     locals: Vec<Local>,
     olds: Vec<(Manifold, Memory)>,
-    news: Vec<(Manifold, Memory)>,
-    recognition: Recognition,
+    goes_on: Vec<bool>,
 }
 
 impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
@@ -178,14 +177,6 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
         recall.set(count, apart - margin - ahead.way);
         let balls = bodies.balls[a] && bodies.balls[b];
         leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
-    }
-
-    /// How far a point of two bodies may have gone in a step, metres, and be the same under a new name. A contact of round fields that roll on each other goes from sample to sample.
-    fn reach_of_names(&self, pair: [usize; 2]) -> f32 {
-        self.shapes(pair).into_iter().flatten().fold(0.0, |reach, shape| match shape {
-            Shape::Field(_) => reach.max(shape.contact_scale()),
-            _ => reach,
-        })
     }
 
     fn shapes(&self, pair: [usize; 2]) -> [Option<&Shape>; 2] {
@@ -316,23 +307,21 @@ impl Fresh {
         let (turn, offset) = ahead.axes(bodies, [a, b]);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
-        self.news.clear();
-        for local in &self.locals {
-            if is_finite(local) {
-                let (mut manifold, memory) = named(rows(key), local, &turn, bodies.centers[a]);
-                let Manifold { count, normal, arms, distances, .. } = &mut manifold;
-                let (arms, distances) = (&arms[..*count as usize], &mut distances[..*count as usize]);
-                ahead.take_back(bodies, [a, b], offset, *normal, arms, distances);
-                self.news.push((manifold, memory));
-            } else {
+        // Of two manifolds that both know an old one the first goes on in its place.
+        self.goes_on.clear();
+        self.goes_on.resize(lanes.len(), false);
+        for (local, ordinal) in self.locals.iter().zip(0..) {
+            if !is_finite(local) {
                 changes.broken.push(a);
+                continue;
             }
-        }
-        let reach = look.reach_of_names([a, b]);
-        self.recognition.recognise(&mut self.news, &self.olds, reach);
-        for (&(mut manifold, mut memory), ordinal) in self.news.iter().zip(0..) {
-            let source = self.recognition.source(ordinal as usize);
+            let (mut manifold, mut memory) = named(rows(key), local, &turn, bodies.centers[a]);
+            let Manifold { count, normal, arms, distances, .. } = &mut manifold;
+            let (arms, distances) = (&arms[..*count as usize], &mut distances[..*count as usize]);
+            ahead.take_back(bodies, [a, b], offset, *normal, arms, distances);
+            let source = recognise(&manifold, &mut memory, &self.olds).filter(|&i| !self.goes_on[i]);
             if let Some(i) = source {
+                self.goes_on[i] = true;
                 let (old, known) = &self.olds[i];
                 // A colour goes with the rows that it is taken at, which may be those of copies.
                 (manifold.a, manifold.b, memory.color) = (old.a, old.b, known.color);
@@ -362,11 +351,9 @@ impl Fresh {
                 self.lanes.push(contact.lane);
             }
         }
-        for (i, &lane) in lanes.iter().enumerate() {
-            if !self.recognition.goes_on(i) {
-                desk.clear(lane, true);
-                changes.freed.push(lane);
-            }
+        for (&lane, _) in lanes.iter().zip(&self.goes_on).filter(|(_, goes_on)| !**goes_on) {
+            desk.clear(lane, true);
+            changes.freed.push(lane);
         }
         recall
     }

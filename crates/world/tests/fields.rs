@@ -160,7 +160,7 @@ fn a_chain_hangs() {
         let now = stage.total_energy();
         println!("{second} s: {now} J, {} m/s", fastest(&stage, &ids, RING + TUBE));
         // Link k of 67 g gives by 0.12 mm for each of the k below it: together they store 11 mJ, of which some comes and goes.
-        assert!(now < before + 3e-3, "{now} J after {before} J in second {second}");
+        assert!(now < before + 6e-3, "{now} J after {before} J in second {second}");
     }
     assert_chained(&stage, &ids, "after six seconds");
     let speed = fastest(&stage, &ids, RING + TUBE);
@@ -265,18 +265,23 @@ fn gears_mesh() {
     let [small, large] = [20, 30].map(|teeth| stage.shape(gear(teeth, module)));
     let driver = stage.put(Body { kind: Kind::Kinematic, ..stage.body(small, at(0.0, 0.0, 0.0)) });
     // A gap of the large one faces a tooth of the small one.
-    let rotation = turned(Vec3::Z, PI * (1.0 + 1.0 / 30.0));
-    let pose = Pose { rotation, ..at(25.0 * f64::from(module) + 3e-4, 0.0, 0.0) };
+    let start = turned(Vec3::Z, PI * (1.0 + 1.0 / 30.0));
+    let pose = Pose { rotation: start, ..at(25.0 * f64::from(module) + 3e-4, 0.0, 0.0) };
     let locks = Locks { linear: [true; 3], angular: [true, true, false] };
     let driven = stage.put(Body { locks, ..stage.body(large, pose) });
-    let mut angle = 0.0;
     for step in 1..=300 {
         stage.world.set_velocity(driver, Vec3::ZERO, 3.0 * Vec3::Z).expect("it is there");
         stage.steps(1);
-        angle += f64::from(stage.velocity(driven).1.z) / 60.0;
         let ideal = -2.0 * f64::from(step) / 60.0;
+        let now = stage.world.pose(driven).expect("it is there").rotation;
+        let since = rotation::compose(
+            now,
+            rotation::inverse(rotation::compose(turned(Vec3::Z, ideal as f32), start)),
+        );
+        let off = 2.0 * since.z.atan2(since.w);
+        let off = off - TAU * (off / TAU).round();
         // The play is 0.3 mm along the centres and a seventh of a tooth: 0.03 rad.
-        assert!((angle - ideal).abs() < 0.03, "{angle} rad after {step} steps, of {ideal}");
+        assert!(off.abs() < 0.03, "{off} rad off after {step} steps");
         assert!(stage.world.report().deepest_penetration < 1e-3);
     }
 }
