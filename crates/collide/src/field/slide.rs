@@ -7,6 +7,7 @@
 use super::gather::{Contact, FACING, within};
 use super::side::{Near, Side};
 use rockfall_math::Vec3;
+use std::collections::BTreeMap;
 
 /// Steps of one point.
 const STEPS: usize = 6;
@@ -24,28 +25,66 @@ const PLACE: f32 = 2.0;
 /// Cosine of the angle between the directions of two contacts of one place.
 const ALIKE: f32 = 0.8;
 
+/// Contacts from which on their places are looked for by cells.
+const MANY: usize = 256;
+
 /// Moves the nearest point of each place to where the distance is least.
 pub(super) fn settle(a: &Side, b: &Side, spacing: f32, contacts: &mut [Contact]) {
     let mut order: Vec<usize> = (0..contacts.len()).collect();
     order.sort_by(|&i, &j| contacts[i].distance.total_cmp(&contacts[j].distance).then(i.cmp(&j)));
-    let mut places: Vec<(Vec3, Vec3)> = Vec::new();
-    for i in order {
+    let mut places = Places::new(PLACE * spacing, contacts.len());
+    for (rank, i) in order.into_iter().enumerate() {
         let contact = contacts[i];
-        let near = |(place, _): &&(Vec3, Vec3)| {
-            place.distance_squared(contact.position) < (PLACE * spacing) * (PLACE * spacing)
-        };
-        if places.iter().filter(near).any(|(_, normal)| normal.dot(contact.normal) > ALIKE) {
+        if places.near(contact.position).any(|normal| normal.dot(contact.normal) > ALIKE) {
             continue;
         }
         // Where two bodies touch and nothing is nearer there is a contact, whichever way the surfaces look.
-        let touches = contact.distance <= 0.0 || places.is_empty();
-        let alone = touches && !places.iter().any(|place| near(&place));
-        places.push((contact.position, contact.normal));
+        let touches = contact.distance <= 0.0 || rank == 0;
+        let alone = touches && places.near(contact.position).next().is_none();
+        places.add(contact.position, contact.normal);
         if contact.slides {
             let sides = if contact.is_of_b() { [b, a] } else { [a, b] };
             contacts[i] = slid(sides, spacing, &contact);
         }
         contacts[i].faces |= alone;
+    }
+}
+
+/// Places of contacts, with their normals, by cells as wide as a place where there are many: a field next to something a thousand times as large.
+struct Places {
+    reach: f32,
+    /// Width of a cell; without end where there is one.
+    cell: f32,
+    cells: BTreeMap<[i32; 3], Vec<(Vec3, Vec3)>>,
+}
+
+impl Places {
+    fn new(reach: f32, contacts: usize) -> Self {
+        let cell = if contacts > MANY { reach } else { f32::INFINITY };
+        Places { reach, cell, cells: BTreeMap::new() }
+    }
+
+    fn cell_of(&self, at: Vec3) -> [i32; 3] {
+        // A cast saturates, so that what is out of range is in the last cell.
+        (at / self.cell).floor().to_array().map(|x| x as i32)
+    }
+
+    /// Normals of the places within reach of a point.
+    fn near(&self, at: Vec3) -> impl Iterator<Item = Vec3> + '_ {
+        let [x, y, z] = self.cell_of(at);
+        let beside = i32::from(self.cell.is_finite());
+        let along = move |i: i32| i.saturating_sub(beside)..=i.saturating_add(beside);
+        let cells = along(x).flat_map(move |i| along(y).flat_map(move |j| along(z).map(move |k| [i, j, k])));
+        let reach = self.reach * self.reach;
+        cells
+            .filter_map(|cell| self.cells.get(&cell))
+            .flatten()
+            .filter(move |(place, _)| place.distance_squared(at) < reach)
+            .map(|(_, normal)| *normal)
+    }
+
+    fn add(&mut self, at: Vec3, normal: Vec3) {
+        self.cells.entry(self.cell_of(at)).or_default().push((at, normal));
     }
 }
 
