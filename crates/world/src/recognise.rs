@@ -28,10 +28,10 @@ pub(crate) fn recognise(
     let source = (0..olds.len()).find(knows).or((olds.len() == 1).then_some(0))?;
     let (before, old) = &olds[source];
     let (mut free_old, mut free_new) = ([true; 4], [true; 4]);
-    for p in 0..count {
+    for (p, free) in free_new.iter_mut().enumerate().take(count) {
         if let Some(q) = namesake(memory.features[p], source) {
             memory.normals[p] = old.normals[q];
-            (free_old[q], free_new[p]) = (false, false);
+            (free_old[q], *free) = (false, false);
         }
     }
     for p in (0..count).filter(|&p| free_new[p]) {

@@ -150,11 +150,11 @@ impl Sky<'_> {
         let Meeting { time, row, other, normal, .. } = *meeting;
         let lines = &self.scene.bodies.lines;
         let yields = |row: u32| self.fast(row).filter(|&i| self.flights[i].stops < STOPS);
-        let left = |row: u32| match self.fast(row) {
-            Some(i) => self.flights[i].onwards(time),
-            None => Flight::straight(self.scene, row).onwards(time),
-        };
-        let motions = [row, other].map(left);
+        let flights = [row, other].map(|row| match self.fast(row) {
+            Some(i) => self.flights[i].clone(),
+            None => Flight::straight(self.scene, row),
+        });
+        let motions = [0, 1].map(|side: usize| flights[side].onwards(time));
         let into = (motions[0].translation - motions[1].translation).dot(normal);
         let inverse = [row, other].map(|row| lines[row as usize].motion[6]);
         let both = inverse[0] + inverse[1];
@@ -172,12 +172,9 @@ impl Sky<'_> {
             ..motions[side]
         };
         let mut on = [slides(0), slides(1)];
-        let origin = |row: u32| match self.fast(row) {
-            Some(i) => self.flights[i].origin,
-            None => Flight::straight(self.scene, row).origin,
-        };
+        // Both seen from the first one's origin.
         let mut seen = on;
-        seen[1].start.translation += (origin(other) - origin(row)).as_vec3();
+        seen[1].start.translation += (flights[1].origin - flights[0].origin).as_vec3();
         if leaves(self.scene, [row, other], seen, blow) {
             let common = motions[0].translation * shares[1] + motions[1].translation * shares[0];
             on.iter_mut()
