@@ -1,6 +1,6 @@
 //! How bodies move, from two poses.
 
-use rockfall_math::{Quat, Vec3, rotation, trig};
+use rockfall_math::{Quat, Vec3, rotation};
 
 /// Mean velocity, m/s, and angular velocity, rad/s, between two poses at two times: seconds, metres and unit quaternions. It is that of the frame
 /// of the shape, whose position a pose has, and not that of the centre of mass.
@@ -20,26 +20,5 @@ pub fn mean_velocities(from: (f64, Vec3, Quat), to: (f64, Vec3, Quat)) -> (Vec3,
         return (Vec3::ZERO, Vec3::ZERO);
     }
     let turn = rotation::compose(to.2, rotation::inverse(from.2));
-    ((to.1 - from.1) * rate, rotation_vector(turn) * rate)
-}
-
-/// The axis of a rotation times its angle, radians, the short way round.
-fn rotation_vector(q: Quat) -> Vec3 {
-    let (axis, w) = if q.w < 0.0 { (-q.xyz(), -q.w) } else { (q.xyz(), q.w) };
-    let sine = axis.length();
-    // Where the sine of half the angle vanishes, so does its difference from the angle.
-    let factor = if sine > 1e-12 { 2.0 * trig::atan2(sine, w) / sine } else { 2.0 };
-    axis * factor
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_rotation_vector_is_the_inverse_of_the_exponential_map() {
-        for v in [Vec3::ZERO, Vec3::X * 1e-9, Vec3::new(0.1, -0.2, 0.3), Vec3::Y * 3.1, Vec3::Z * -2.0] {
-            assert!((rotation_vector(rotation::from_rotation_vector(v)) - v).length() < 2e-6, "{v}");
-        }
-    }
+    ((to.1 - from.1) * rate, rotation::to_rotation_vector(turn) * rate)
 }

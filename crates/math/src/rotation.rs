@@ -132,6 +132,9 @@ mod tests {
             let v = to_rotation_vector(from_rotation_vector(axis * angle));
             assert!(v.distance(axis * back) < 1e-6, "{angle}: {v}");
         }
+        for v in [Vec3::X * 1e-9, Vec3::new(0.1, -0.2, 0.3), Vec3::Y * 3.1, Vec3::Z * -2.0] {
+            assert!((to_rotation_vector(from_rotation_vector(v)) - v).length() < 2e-6, "{v}");
+        }
     }
 
     #[test]
