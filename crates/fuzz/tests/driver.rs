@@ -95,7 +95,7 @@ fn meshes() {
 
 #[test]
 fn pairs() {
-    drive("pair", 5_000, |random| pair(&(0..400).map(|_| random.word() as u8).collect::<Vec<u8>>()));
+    drive("pair", 20_000, |random| pair(&(0..400).map(|_| random.word() as u8).collect::<Vec<u8>>()));
 }
 
 fn shipped(folder: &str, ending: &str) -> Vec<Vec<u8>> {

@@ -27,6 +27,9 @@ pub(super) struct Point {
 /// Names of the points of an edge; a longer one uses some again.
 const PLACES: u32 = 1 << 12;
 
+/// The least part of the reach between two points: with an ordinary reach, of less than a field's size, samples are further apart.
+const FINEST: f32 = 64.0;
+
 /// The least number of points around a rim.
 const SPOKES: u32 = 16;
 
@@ -43,6 +46,8 @@ pub(super) fn near(
     // From the field's frame to that of the shape.
     let seen = own.place.inverse().then_after(&other.place);
     let area = Area { center: seen.point(bounds.center()), radius: bounds.half_extents().length() + reach };
+    // What is met from far off, by a fast body, is met coarser: else points would grow with the way ahead.
+    let spacing = spacing.max(reach / FINEST);
     match own.shape {
         Shape::Mesh(mesh) => surface(&**mesh, &area, spacing, put),
         Shape::HeightField(heights) => surface(&**heights, &area, spacing, put),
@@ -65,21 +70,21 @@ impl Area {
         p.distance_squared(self.center) <= (self.radius + skin) * (self.radius + skin)
     }
 
-    /// Calls `f` with the points between two, and their numbers, that are no further apart than `spacing`.
+    /// Calls `f` with the points between two, and their numbers, that are no further apart than `spacing`: the middles of balls of radius `skin`.
     fn between(&self, [a, b]: [Vec3; 2], skin: f32, spacing: f32, mut f: impl FnMut(u32, Vec3)) {
         let along = b - a;
         let parts = (along.length() / spacing).ceil().max(1.0);
         let middle = (self.center - a).dot(along) / along.length_squared();
-        let half = (self.radius + skin) / along.length();
+        // Of a chain of balls those are nearest to what is in the area that have their middle no further along than it reaches.
+        let half = (self.radius + spacing) / along.length();
         let from = ((middle - half) * parts).ceil().max(1.0);
         let until = ((middle + half) * parts).floor().min(parts - 1.0);
-        let mut i = from;
-        while i <= until {
-            let p = a + along * (i / parts);
+        // Whole numbers: of an edge of more than 2²⁴ parts, single precision would not get on.
+        for i in from as u64..=until as u64 {
+            let p = a + along * (i as f32 / parts);
             if self.has(p, skin) {
-                f(i as u32, p);
+                f((i % u64::from(u32::MAX)) as u32, p);
             }
-            i += 1.0;
         }
     }
 }
@@ -156,7 +161,7 @@ fn rim(frustum: &Frustum, side: f32, area: &Area, spacing: f32, put: &mut impl F
         if area.has(at, 0.0) {
             let flank = Vec3::new(cos * across as f32, sin * across as f32, along as f32);
             let (out, cone) = cone(|| [flank, Vec3::Z * side].into_iter());
-            put(Point { at, out, cone, skin: 0.0, name: first + spoke });
+            put(Point { at, out, cone, skin: 0.0, name: spoke.wrapping_add(first) });
         }
     }
 }
