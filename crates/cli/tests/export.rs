@@ -2,9 +2,9 @@
 
 mod common;
 
-use common::{Place, error, expect, out, wait_for};
+use common::{Place, error, expect, out, signal, wait_for};
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 /// A ball falls on the ground.
 const SCENE: &str = r#"
@@ -146,8 +146,7 @@ fn an_export_that_is_interrupted_leaves_nothing() {
     let child = place.command("export long --to vtp").stderr(Stdio::piped()).spawn().unwrap();
     let hidden = format!(".long-vtp.{}.part", child.id());
     wait_for("frame", || place.path(&hidden).join("frame-000000.vtp").exists());
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    signal(&child, "-INT");
     let export = child.wait_with_output().unwrap();
     expect(&export, 130);
     assert!(error(&export).contains("stopping after these frames"), "{}", error(&export));

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Place, error, expect, out, wait_for};
+use common::{Place, error, expect, out, signal, wait_for};
 use rockfall_cache::{RunReader, SUMMARY, Status, TRAJECTORY};
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -49,11 +49,6 @@ fn place() -> Place {
 fn endless(place: &Place, arguments: &str) -> Child {
     let mut command = place.command(&format!("run small.toml --frames 1000000000 {arguments}"));
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
-    assert!(status.success());
 }
 
 #[test]

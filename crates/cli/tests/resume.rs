@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Place, error, expect, out, wait_for};
+use common::{Place, error, expect, out, signal, wait_for};
 use rockfall_cache::{CHECKPOINTS, Checkpoint, FRAMES, RunReader, SCENE, SUMMARY, Status, TRAJECTORY};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -184,11 +184,12 @@ fn an_interrupted_run_goes_on_from_where_it_was() {
     wait_for("frame", || {
         RunReader::open(&place.path("part")).and_then(|run| run.frames()).is_ok_and(|frames| frames > 20)
     });
-    // Nobody else may write into it meanwhile.
+    // Nobody else may write into it meanwhile; it waits for them, lest it be done before.
+    signal(&child, "-STOP");
     let second = place.rockfall("run --resume part");
     let third = place.rockfall("run heap.toml --out part --overwrite");
-    let status = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(status.success());
+    signal(&child, "-INT");
+    signal(&child, "-CONT");
     let ended = child.wait_with_output().unwrap();
     for refused in [second, third] {
         expect(&refused, 1);

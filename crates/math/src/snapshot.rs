@@ -28,7 +28,7 @@ use xxhash_rust::xxh3::Xxh3;
 pub const MAGIC: [u8; 8] = *b"\x8Frockfl\n";
 
 /// The version of this format. Another one is refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// What the byte order is told by.
 const ORDER: u32 = 0x0102_0304;

@@ -19,6 +19,9 @@ pub struct Leash {
     /// Distance from the contact within which the two surfaces may come near each other, metres: a turn of one body against the
     /// other counts as a way of so many times its angle. Two balls may turn as they like.
     pub lever: f32,
+    /// Of a round body against a flat one, the radius of the round one about the point, the middle of a ball or on the axis of a capsule, that is nearest to
+    /// the other, metres: the contact follows that point and does not turn with the body. Negative where b is the round one, 0 between flat ones.
+    pub skin: f32,
 }
 
 /// A contact that was found.
@@ -110,9 +113,11 @@ impl<'a, const P: usize, const T: usize> Open<'a, P, T> {
         row.iter().zip(names).for_each(|(word, &x)| word[at.lane()].store(x, Relaxed));
     }
 
-    fn put_leash(&self, at: Lane, Leash { length, lever }: Leash) {
+    fn put_leash(&self, at: Lane, Leash { length, lever, skin }: Leash) {
         let row = self.slacks.row(at.block());
-        row.iter().zip([length, lever]).for_each(|(word, x)| word[at.lane()].store(x.to_bits(), Relaxed));
+        row.iter()
+            .zip([length, lever, skin])
+            .for_each(|(word, x)| word[at.lane()].store(x.to_bits(), Relaxed));
     }
 
     fn may_follow(&self, at: Lane) -> bool {
@@ -300,7 +305,7 @@ mod tests {
         let rolling = if cold { 0.1 } else { 0.0 };
         memory.rolling = Vec3::splat(x * rolling);
         let surface = Surface { friction: 0.5, restitution: 0.0, rolling, twisting: 0.0 };
-        let leash = Leash { length: x, lever: 1.0 };
+        let leash = Leash { length: x, lever: 1.0, skin: 0.0 };
         Found { manifold, memory, surface, offset: Vec3::ONE, active: true, leash, ..Found::default() }
     }
 

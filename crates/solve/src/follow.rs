@@ -1,7 +1,11 @@
 //! Stage 5, **touch**: contacts follow their bodies.
 //!
 //! Reads the motion of the last step; writes arms, normals, signed distances, and friction impulses along the turned tangents. To
-//! first order in that motion: a point keeps its place on both surfaces, half-way between them. What is found anew afterwards is overwritten.
+//! first order in that motion: between flat surfaces a point keeps its place on both, half-way between them. What is found anew afterwards is overwritten.
+//!
+//! A round body that rolls does not take the contact along: it stays opposite to the middle of the ball, or the point on the axis of the capsule, at the
+//! skin's distance, and the normal is that of the flat surface. Were it to turn with the body, weight and floor would turn it over faster and faster: a ball
+//! that leans by θ would feel m g r θ.
 //!
 //! What makes that untrue in time is the motion of one body relative to the other, and it is counted off what they may go
 //! ([`crate::desk::Leash`]). What both have in common, as two stones of a heap that slides, does no harm but to second order.
@@ -10,7 +14,7 @@ use crate::block::{Block, Column3, LANES, load, load3, store, tangents};
 use crate::contacts::Contacts;
 use crate::line::Columns;
 use crate::plan::Span;
-use crate::shelf::{Class, Slack};
+use crate::shelf::Class;
 use crate::sweep::{Beside, Rows, Visit, gather_drift, over_all};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
@@ -42,7 +46,14 @@ impl Visit for Follow {
         let way = if span.class == Class::Ball {
             follow_balls::<L, P, T>(token, rows, block, k)
         } else {
-            follow_points::<L, P, T>(token, rows, block, slack, k)
+            let skins = load::<L>(token, &slack.skins, k);
+            let levers = load::<L>(token, &slack.levers, k);
+            let zero = L::splat(token, 0.0);
+            // What is for flat ones alone is the same, to the bit, and half of the work.
+            match L::bits(skins.lt(zero)) | L::bits(zero.lt(skins)) {
+                0 => follow_points::<L, P, T, false>(token, rows, block, [levers, skins], k),
+                _ => follow_points::<L, P, T, true>(token, rows, block, [levers, skins], k),
+            }
         };
         let left = load::<L>(token, &slack.left, k) - way - L::splat(token, CREEP);
         store(left, &mut slack.left, k);
@@ -96,13 +107,14 @@ fn follow_balls<L: Lanes, const P: usize, const T: usize>(
     moved.dot(moved).sqrt()
 }
 
-/// Points between flat surfaces keep their places on both. Returns how far those have moved relative to each other, at most.
+/// Points between flat surfaces keep their places on both, those of a round one their places opposite to its middle; `ROUND` says whether there are such.
+/// Returns how far those have moved relative to each other, at most.
 #[inline(always)]
-fn follow_points<L: Lanes, const P: usize, const T: usize>(
+fn follow_points<L: Lanes, const P: usize, const T: usize, const ROUND: bool>(
     token: L::Token,
     rows: &Rows<'_>,
     block: &mut Block<P, T>,
-    slack: &Slack,
+    [lever, skin]: [L; 2],
     k: usize,
 ) -> L {
     let zero = L::splat(token, 0.0);
@@ -115,27 +127,55 @@ fn follow_points<L: Lanes, const P: usize, const T: usize>(
     let gap = open::<L, P, T>(token, block, k);
     let (from_b, back) = (offset + before.scale(gap), before.scale(half * gap));
 
-    let turned = (turn_a + turn_b).scale(half).cross(before);
+    let (a_is_round, b_is_round) = (zero.lt(skin), skin.lt(zero));
+    // Of a round a, of a round b, of two flat ones.
+    let which = |[a, b, flat]: [Lanes3<L>; 3]| {
+        let pick = |a: L, b: L, flat: L| L::select(a_is_round, a, L::select(b_is_round, b, flat));
+        Lanes3::new(pick(a.x, b.x, flat.x), pick(a.y, b.y, flat.y), pick(a.z, b.z, flat.z))
+    };
+    // From a middle to its contact, along the normal from a to b.
+    let reach = |distance: L| {
+        let open = half * distance;
+        L::select(a_is_round, skin + open, L::select(b_is_round, skin - open, zero))
+    };
+
+    let between = (turn_a + turn_b).scale(half);
+    let turned = if ROUND { which([turn_b, turn_a, between]) } else { between }.cross(before);
     let normal = before + turned;
     let normal = normal.scale(L::splat(token, 1.0) / normal.dot(normal).sqrt());
     // A point of either surface near the contact has gone relative to the other body what the contact's first point has, and what
     // the turn of one against the other adds; of a turn of both, first order leaves out ½ θ² r.
     let first = load3(token, &block.arms[0], k) + back;
-    let slid = moved + turn_b.cross(first - from_b) - turn_a.cross(first);
-    let (turn, lever) = (turn_b - turn_a, load::<L>(token, &slack.levers, k));
+    // The middle of a round body, and what of the other one is opposite to it.
+    let ends = |at: Lanes3<L>, distance: L| {
+        if ROUND {
+            let reach = reach(distance);
+            (at - before.scale(reach.max(zero)), at - before.scale(reach.min(zero)))
+        } else {
+            (at, at)
+        }
+    };
+    let (on_a, on_b) = ends(first, load(token, &block.distances[0], k));
+    let slid = moved + turn_b.cross(on_b - from_b) - turn_a.cross(on_a);
+    let turn = turn_b - turn_a;
     let length = |v: Lanes3<L>| v.dot(v).sqrt();
-    let bent = half * (turn_a.dot(turn_a) * length(first) + turn_b.dot(turn_b) * length(first - from_b));
+    let bent = half * (turn_a.dot(turn_a) * length(on_a) + turn_b.dot(turn_b) * length(on_b - from_b));
     let way = length(slid) + lever * length(turn) + bent;
     let mut arms = [Lanes3::splat(token, Vec3::ZERO); P];
     for (p, to) in arms.iter_mut().enumerate() {
         let arm = load3(token, &block.arms[p], k) + back;
-        let of_a = turn_a.cross(arm);
-        let of_b = moved + turn_b.cross(arm - from_b);
-        let used = zero.lt(load(token, &block.masses[p], k));
         let distance = load::<L>(token, &block.distances[p], k);
+        let (on_a, on_b) = ends(arm, distance);
+        let of_a = turn_a.cross(on_a);
+        let of_b = moved + turn_b.cross(on_b - from_b);
+        let used = zero.lt(load(token, &block.masses[p], k));
         let followed = distance + before.dot(of_b - of_a);
         store(L::select(used, followed, distance), &mut block.distances[p], k);
         *to = arm + (of_a + of_b).scale(half);
+        if ROUND {
+            let out = normal.scale(reach(followed));
+            *to = which([on_a + of_a + out, on_b + of_b + out, *to]);
+        }
     }
     let gap = open::<L, P, T>(token, block, k);
     for (p, arm) in arms.into_iter().enumerate() {
@@ -206,11 +246,20 @@ mod tests {
         offset: Vec3,
         [a, b]: [Drift; 2],
         balls: bool,
+        skin: f32,
         width: Width,
     ) -> (Manifold, Memory, f32) {
         let mut contacts = Contacts::default();
         let memory = Memory { color: 0, friction, ..Memory::default() };
-        let found = Found { manifold, memory, offset, active: true, balls, leash: LEASH, ..Found::default() };
+        let found = Found {
+            manifold,
+            memory,
+            offset,
+            active: true,
+            balls,
+            leash: Leash { skin, ..LEASH },
+            ..Found::default()
+        };
         let mut arrivals = vec![vec![found]];
         contacts.place(&mut arrivals);
         let mut bodies = Bodies::new(3);
@@ -220,6 +269,8 @@ mod tests {
         let (manifold, memory) = contacts.read(arrivals[0][0].lane);
         let (slack, follows) = if balls {
             (&contacts.ball.slacks[0], contacts.ball.follows[0])
+        } else if manifold.count == 1 {
+            (&contacts.one.slacks[0], contacts.one.follows[0])
         } else {
             (&contacts.two.slacks[0], contacts.two.follows[0])
         };
@@ -227,7 +278,7 @@ mod tests {
         (manifold, memory, slack.left[0])
     }
 
-    const LEASH: Leash = Leash { length: 0.1, lever: 0.4 };
+    const LEASH: Leash = Leash { length: 0.1, lever: 0.4, skin: 0.0 };
 
     /// Two balls, in contact and apart, whatever the size of their motion.
     #[test]
@@ -245,7 +296,7 @@ mod tests {
             let normal = centres.normalize();
             let distance = centres.as_dvec3().length() - f64::from(radius_a) - f64::from(radius_b);
             for width in Width::all() {
-                let (m, ..) = followed(manifold, Vec3::ZERO, offset, [a, b], true, width);
+                let (m, ..) = followed(manifold, Vec3::ZERO, offset, [a, b], true, 0.0, width);
                 assert!((f64::from(m.distances[0]) - distance).abs() < 1e-7, "{distance} {m:?}");
                 assert!((m.normal - normal).length() < 2e-7);
                 assert!((m.arms[0] - normal * (radius_a + 0.5 * distance as f32)).length() < 2e-7, "{m:?}");
@@ -266,7 +317,7 @@ mod tests {
         for (width, start) in Width::all().into_iter().flat_map(|width| [(width, 0.0), (width, 0.01)]) {
             let manifold =
                 Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [start, start, 0.0, 0.0] };
-            let (manifold, memory, _) = followed(manifold, friction, offset, [a, b], false, width);
+            let (manifold, memory, _) = followed(manifold, friction, offset, [a, b], false, 0.0, width);
             let turned = |d: &Drift| {
                 Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())))
             };
@@ -284,6 +335,51 @@ mod tests {
         }
     }
 
+    /// Against the motion itself: a capsule, and a ball about its end, that rolls on a plane which moves and turns as well; each of them as the first of the two and
+    /// as the second, touching and with a gap.
+    #[test]
+    fn a_round_body_rolls_through_its_contact_at_every_width() {
+        let (radius, small) = (0.3, 1e-3);
+        let round = drift(small * Vec3::new(4.0, -2.0, 0.7), small * Vec3::new(5.0, 9.0, -6.0));
+        let flat = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
+        let turned =
+            |d: &Drift| Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())));
+        for (width, start, count, first) in Width::all().into_iter().flat_map(|width| {
+            [(0.0, 1, true), (0.01, 1, false), (-0.002, 2, true), (0.0, 2, false)]
+                .map(|(start, count, first)| (width, start, count, first))
+        }) {
+            // From the round body's centre: the middles of its ends, and down to the plane; the plane's body is further down.
+            let middles =
+                [Vec3::new(if count == 1 { 0.0 } else { 0.4 }, 0.0, 0.0), Vec3::new(-0.4, 0.0, 0.0)];
+            let down = if first { Vec3::Z } else { -Vec3::Z };
+            let to_flat = Vec3::new(0.3, -0.2, 0.0) + 1.5 * down;
+            let feet = middles.map(|middle| middle + (radius + start) * down);
+            // From the centre of a, and half-way between the surfaces.
+            let from_a = |p: Vec3| if first { p } else { p - to_flat };
+            let arm = |i: usize| from_a(feet[i] - 0.5 * start * down);
+            let arms = [arm(0), arm(1), Vec3::ZERO, Vec3::ZERO];
+            let distances = [start, start, 0.0, 0.0];
+            let manifold = Manifold { a: 1, b: 2, count, normal: Vec3::Z, arms, distances };
+            let (offset, motions, skin) = match first {
+                true => (to_flat, [round, flat], radius),
+                false => (-to_flat, [flat, round], -radius),
+            };
+            let (m, ..) = followed(manifold, Vec3::ZERO, offset, motions, false, skin, width);
+            let normal = turned(&flat) * Vec3::Z;
+            assert!((m.normal - normal).length() < small * small, "{normal} {m:?}");
+            for i in 0..count as usize {
+                let middle = round.translation() + turned(&round) * middles[i];
+                let foot = to_flat + flat.translation() + turned(&flat) * (feet[i] - to_flat);
+                let out = if first { normal } else { -normal };
+                let gap = (foot - middle).dot(out) - radius;
+                assert!((m.distances[i] - gap).abs() < 30.0 * small * small, "{gap} {m:?}");
+                let origin = if first { round.translation() } else { to_flat + flat.translation() };
+                let at = middle + (radius + 0.5 * gap) * out - origin;
+                assert!((m.arms[i] - at).length() < 30.0 * small * small, "{at} {m:?}");
+            }
+        }
+    }
+
     /// What both bodies have in common costs nothing but to second order; sliding costs its way, turning its angle times the lever.
     #[test]
     fn only_motion_relative_to_each_other_uses_up_the_leash() {
@@ -292,7 +388,7 @@ mod tests {
         let manifold = Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [0.0; 4] };
         let used = |a, b, balls| {
             let manifold = Manifold { count: if balls { 1 } else { 2 }, ..manifold };
-            LEASH.length - followed(manifold, Vec3::ZERO, offset, [a, b], balls, Width::native()).2
+            LEASH.length - followed(manifold, Vec3::ZERO, offset, [a, b], balls, 0.0, Width::native()).2
         };
         let close = |x: f32, y: f32| assert!((x - y - CREEP).abs() < 2e-7, "{x} {y}");
         let (way, turn) = (Vec3::new(0.01, -0.02, 0.03), Vec3::new(0.003, 0.001, -0.002));

@@ -197,10 +197,12 @@ pub(crate) struct Slack {
     pub(crate) left: Column,
     /// How far from the contact the surfaces may come near each other, metres: what a turn of one against the other is multiplied by.
     pub(crate) levers: Column,
+    /// See [`crate::Leash`].
+    pub(crate) skins: Column,
 }
 
 impl Slack {
-    pub(crate) const IDLE: Self = Slack { left: [0.0; LANES], levers: [0.0; LANES] };
+    pub(crate) const IDLE: Self = Slack { left: [0.0; LANES], levers: [0.0; LANES], skins: [0.0; LANES] };
 }
 
 /// A block has no cold half.

@@ -59,17 +59,40 @@ pub(crate) fn way(drift: &Drift, radius: f32) -> u32 {
     count_of(drift.translation().length() + drift.rotation().length() * radius)
 }
 
-/// How far two bodies may move relative to each other while their contacts only follow them. Nothing where a shape is round and the other
-/// is not: a ball that rolls does not take its contact along. `radii` are the distances of their farthest points from their centres.
+/// How far two bodies may move relative to each other while their contacts only follow them. Nothing where both are round, but for balls: their normals turn with neither
+/// of them. `radii` are the distances of their farthest points from their centres.
 pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash {
     if balls {
-        return Leash { length: LOOSE_BALLS * a.inner_radius().min(b.inner_radius()), lever: 0.0 };
+        let length = LOOSE_BALLS * a.inner_radius().min(b.inner_radius());
+        return Leash { length, ..Leash::default() };
     }
+    let (length, skin) = match (skin(a), skin(b)) {
+        (0.0, 0.0) => (loose(a).min(loose(b)), 0.0),
+        (skin, 0.0) => (loose_round(skin, b), skin),
+        (0.0, skin) => (loose_round(skin, a), -skin),
+        _ => return Leash::default(),
+    };
     // All of the smaller body is within its diameter from the contact.
-    Leash { length: loose(a).min(loose(b)), lever: 2.0 * radii[0].min(radii[1]) }
+    Leash { length, lever: 2.0 * radii[0].min(radii[1]), skin }
 }
 
-/// What a shape allows.
+/// The radius of a shape around its core, if all of its surface is at that distance from a point or a line.
+fn skin(shape: &Shape) -> f32 {
+    match shape {
+        Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
+        _ => 0.0,
+    }
+}
+
+/// What a ball or a capsule of radius `skin` allows with another shape, whose surface is flat where it touches.
+fn loose_round(skin: f32, other: &Shape) -> f32 {
+    match other {
+        Shape::Field(_) => 0.0,
+        _ => loose(other).min(LOOSE * skin),
+    }
+}
+
+/// What a shape allows that touches a flat one.
 fn loose(shape: &Shape) -> f32 {
     match shape {
         Shape::Sphere { .. }

@@ -10,8 +10,8 @@ use rockfall_collide::distance;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Boxes and hulls, about half a metre in size, dropped between four walls.
-fn pile(count: usize) -> Stage {
+/// Boxes and hulls, and among them, where `round`, balls and capsules, all about half a metre in size, dropped between four walls.
+fn pile(count: usize, round: bool) -> Stage {
     let mut stage = Stage::on_ground(frames(), rubs(0.6, 0.0));
     let random = |i: usize, k: u64| (mix(i as u64 * 16 + k) >> 40) as f32 / (1 << 24) as f32 - 0.5;
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
@@ -20,7 +20,12 @@ fn pile(count: usize) -> Stage {
         stage.put(body);
     }
     for i in 0..count {
-        let shape = if i % 2 == 0 {
+        let shape = if round && i % 4 == 0 {
+            stage.ball(0.3 + 0.1 * random(i, 1))
+        } else if round && i % 4 == 1 {
+            let (radius, half_length) = (0.2 + 0.1 * random(i, 1), 0.2 + 0.1 * random(i, 2));
+            stage.shape(Shape::Capsule { half_length, radius })
+        } else if i % 2 == 0 {
             stage.cuboid(0.3 + 0.1 * random(i, 1), 0.3 + 0.1 * random(i, 2), 0.3 + 0.1 * random(i, 3))
         } else {
             let corner = |k: u64| {
@@ -41,7 +46,11 @@ fn pile(count: usize) -> Stage {
 /// hundredth of the depth; and no pair that overlaps by more than that is without contact.
 #[test]
 fn contacts_are_as_deep_as_the_shapes() {
-    let mut stage = pile(96);
+    [false, true].map(as_deep_as_the_shapes);
+}
+
+fn as_deep_as_the_shapes(round: bool) {
+    let mut stage = pile(96, round);
     let mut judged = 0;
     for step in 0..400 {
         let poses = stage.world.poses();
