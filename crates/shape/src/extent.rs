@@ -91,7 +91,7 @@ impl Shape {
     /// thin, a quarter of its outer radius if that is more.
     pub fn contact_scale(&self) -> f32 {
         match self {
-            Shape::Field(_) => self.inner_radius().max(0.25 * self.radius_about(self.bounds().center())),
+            Shape::Field(field) => field.contact_scale(),
             Shape::Compound(compound) => compound.thinnest().shape.contact_scale(),
             _ => self.inner_radius(),
         }

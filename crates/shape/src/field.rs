@@ -64,6 +64,8 @@ pub struct Field {
     features: Features,
     /// Middle and radius of a ball that fits inside.
     inner: (Vec3, f32),
+    /// See [`Shape::contact_scale`](crate::Shape::contact_scale), metres.
+    contact_scale: f32,
     /// Hash of mesh and settings.
     key: u128,
 }
@@ -188,7 +190,8 @@ impl Field {
         let features = Features::of(&mesh, &samples, settings.spacing);
         let inner = deepest(&mesh, &octree, &places);
         let key = store::key(&mesh, settings);
-        Ok(Field { mesh, settings, octree, samples, features, inner, key })
+        let contact_scale = contact_scale(&mesh, inner.1);
+        Ok(Field { mesh, settings, octree, samples, features, inner, contact_scale, key })
     }
 
     /// The same body at another size: errors and spacing grow with it.
@@ -204,7 +207,8 @@ impl Field {
         let (octree, samples) = (self.octree.scaled(by), self.samples.scaled(by));
         let inner = (by * self.inner.0, by * self.inner.1);
         let features = self.features.clone();
-        Ok(Field { mesh, settings, octree, samples, features, inner, key })
+        let contact_scale = contact_scale(&mesh, inner.1);
+        Ok(Field { mesh, settings, octree, samples, features, inner, contact_scale, key })
     }
 
     /// What it was sampled from.
@@ -230,6 +234,10 @@ impl Field {
     /// Middle and radius, metres, of a ball that fits inside: nearly the largest.
     pub fn inner_ball(&self) -> (Vec3, f32) {
         self.inner
+    }
+
+    pub(crate) fn contact_scale(&self) -> f32 {
+        self.contact_scale
     }
 
     /// How much memory it takes.
@@ -323,6 +331,13 @@ impl std::fmt::Debug for Field {
         let key = format_args!("{:032x}", self.key);
         f.debug_struct("Field").field("key", &key).field("settings", &self.settings).finish_non_exhaustive()
     }
+}
+
+/// The inner radius, or a quarter of the outer one, whichever is more: walls may be thin.
+fn contact_scale(mesh: &Mesh, inner_radius: f32) -> f32 {
+    let center = mesh.bounds.center();
+    let squared = mesh.vertices.iter().map(|p| (*p - center).length_squared()).fold(0.0, f32::max);
+    inner_radius.max(0.25 * squared.sqrt())
 }
 
 fn check(mesh: &Arc<Mesh>, FieldSettings { error, spacing }: FieldSettings) -> Result<(), FieldError> {

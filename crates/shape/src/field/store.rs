@@ -79,7 +79,7 @@ fn write(path: &Path, field: &Field) -> std::io::Result<()> {
 }
 
 fn put(field: &Field, to: &mut BufWriter<&mut File>) -> Result<(), Error> {
-    let Field { mesh: _, settings: _, octree, samples, features: _, inner, key } = field;
+    let Field { mesh: _, settings: _, octree, samples, features: _, inner, contact_scale: _, key } = field;
     let Octree { origin, cell, size, roots, nodes, leaves } = octree;
     let mut writer = Writer::new(to)?;
     writer.text("key", &format!("{key:032x}"))?;
@@ -130,7 +130,8 @@ fn read(path: &Path, mesh: &Arc<Mesh>, settings: FieldSettings) -> Result<Field,
     let samples = points.map(|((position, normal), cone)| Sample { position, normal, cone }).collect();
     let samples = Samples::in_order(samples);
     let features = Features::of(mesh, &samples, settings.spacing);
-    Ok(Field { mesh: mesh.clone(), settings, octree, samples, features, inner, key })
+    let contact_scale = super::contact_scale(mesh, inner.1);
+    Ok(Field { mesh: mesh.clone(), settings, octree, samples, features, inner, contact_scale, key })
 }
 
 fn eights<T: Copy + Default>(name: &str, column: &[T]) -> Result<Vec<[T; 8]>, Error> {
