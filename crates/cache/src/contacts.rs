@@ -4,7 +4,7 @@ use crate::ragged::{Column, Kind};
 use crate::sheet::NumberType;
 use crate::trajectory::attributes;
 use rockfall::{BodyId, Contact, World};
-use rockfall_math::{DVec3, Vec3};
+use rockfall_math::DVec3;
 use serde_json::{Map, Value, json};
 
 const ROW: &[&str] = &["contact"];
@@ -31,7 +31,16 @@ pub(crate) static CONTACTS: Kind = Kind {
             "signed distance at the start of the step, negative where the bodies overlapped",
         ),
         column("force", NumberType::F32, ROW, Some("N"), "along the normal, at the end of the step"),
+        column(
+            "friction",
+            NumberType::F32,
+            VECTOR,
+            Some("N"),
+            "force of friction on b, in the world's axes, at the end of the step",
+        ),
     ],
+    // Runs of older versions have no friction.
+    always: 6,
 };
 
 const fn column(
@@ -51,6 +60,8 @@ pub struct WantedContacts {
     pub every: u64,
     /// Only those that press at least this much, N; 0 for all.
     pub force: f64,
+    /// Whether the forces of friction are written.
+    pub friction: bool,
 }
 
 /// The contacts of a frame, by the ids of their bodies; those of a pair in the order of the world.
@@ -66,8 +77,10 @@ pub struct Contacts {
     pub normals: Vec<[f32; 3]>,
     /// Signed distances at the start of the step, metres; negative where the bodies overlapped.
     pub distances: Vec<f32>,
-    /// Along the normals at the end of the step, N.
+    /// Along the normals at the end of the step, N: on `b`, and the opposite on `a`.
     pub forces: Vec<f32>,
+    /// Friction on `b`, the opposite on `a`, in the world's axes at the end of the step, N; empty in a run without.
+    pub frictions: Vec<[f32; 3]>,
 }
 
 impl WantedContacts {
@@ -87,13 +100,16 @@ impl WantedContacts {
         contacts.sort_by_key(pair);
         for contact in contacts {
             let (a, b) = pair(&contact);
-            let normal: Vec3 = if contact.a == a { contact.normal } else { -contact.normal };
+            let side = if contact.a == a { 1.0 } else { -1.0 };
             found.a.push(a.0);
             found.b.push(b.0);
             found.positions.push((contact.position - origin).as_vec3().to_array());
-            found.normals.push(normal.to_array());
+            found.normals.push((contact.normal * side).to_array());
             found.distances.push(contact.distance);
             found.forces.push(contact.impulse * rate);
+            if self.friction {
+                found.frictions.push((contact.friction * (side * rate)).to_array());
+            }
         }
         found
     }
@@ -103,6 +119,7 @@ impl WantedContacts {
         attributes([
             ("every", json!(self.every)),
             ("least_force_N", json!(self.force)),
+            ("friction", json!(self.friction)),
             (
                 "description",
                 json!("points of contact; those of frame f are the rows offset[f] to offset[f] + count[f]"),
@@ -113,7 +130,8 @@ impl WantedContacts {
     /// What the attributes say.
     pub(crate) fn of(about: &Map<String, Value>) -> Option<Self> {
         let (every, force) = (about.get("every")?.as_u64()?, about.get("least_force_N")?.as_f64()?);
-        Some(WantedContacts { every, force })
+        let friction = about.get("friction").and_then(Value::as_bool).unwrap_or_default();
+        Some(WantedContacts { every, force, friction })
     }
 }
 
@@ -139,12 +157,13 @@ impl Contacts {
             floats(self.normals.as_flattened()),
             floats(&self.distances),
             floats(&self.forces),
+            floats(self.frictions.as_flattened()),
         ]
     }
 
     /// From the bytes of each column; `None` where there are not as many of each.
     pub(crate) fn of_bytes(columns: &[Vec<u8>]) -> Option<Self> {
-        let [a, b, positions, normals, distances, forces] = columns else { return None };
+        let [a, b, positions, normals, distances, forces, frictions @ ..] = columns else { return None };
         let ids = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|&id| u64::from_le_bytes(id)).collect();
         let floats = |bytes: &[u8]| -> Vec<f32> {
             bytes.as_chunks().0.iter().map(|&x| f32::from_le_bytes(x)).collect()
@@ -157,9 +176,11 @@ impl Contacts {
             normals: vectors(normals),
             distances: floats(distances),
             forces: floats(forces),
+            frictions: frictions.first().map(|bytes| vectors(bytes)).unwrap_or_default(),
         };
         let n = found.len();
+        let friction = found.frictions.len() == if frictions.is_empty() { 0 } else { n };
         let lengths = [found.b.len(), found.positions.len(), found.normals.len(), found.distances.len()];
-        (lengths == [n; 4] && found.forces.len() == n).then_some(found)
+        (lengths == [n; 4] && found.forces.len() == n && friction).then_some(found)
     }
 }

@@ -23,13 +23,12 @@ pub(crate) struct Extras {
 }
 
 /// What the attributes of a trajectory say of it.
-pub(crate) fn about(contents: &Contents) -> [(&'static str, Value); 3] {
+pub(crate) fn about(contents: &Contents) -> impl Iterator<Item = (&'static str, Value)> {
     let names: Vec<&str> = contents.columns.iter().map(|column| column.name.as_str()).collect();
-    [
-        ("contacts", json!(contents.contacts.map(|wanted| wanted.about()))),
-        ("events", json!(contents.events.map(WantedEvents::word))),
-        ("columns", json!(names)),
-    ]
+    let none = [("events", Value::Null), ("hits_N_s", Value::Null)];
+    [("contacts", json!(contents.contacts.map(|wanted| wanted.about()))), ("columns", json!(names))]
+        .into_iter()
+        .chain(contents.events.map_or(none, WantedEvents::about))
 }
 
 fn growing(column: &Column, bodies: usize) -> Growing {
@@ -40,14 +39,14 @@ fn growing(column: &Column, bodies: usize) -> Growing {
 impl Extras {
     /// Starts what is wanted.
     pub(crate) fn create(contents: &Contents, bodies: usize, store: &WholeFiles) -> Result<Self, Error> {
-        let contacts =
-            contents.contacts.map(|wanted| Ragged::create(&CONTACTS, bodies, wanted.about(), store));
+        let contacts = contents
+            .contacts
+            .map(|wanted| Ragged::create(&CONTACTS, wanted.friction, bodies, wanted.about(), store));
         let events = contents.events.map(|wanted| {
-            let about = attributes([
-                ("events", json!(wanted.word())),
-                ("description", json!("those of frame f are the rows offset[f] to offset[f] + count[f]")),
-            ]);
-            Ragged::create(&EVENTS, bodies, about, store)
+            let [word, hits] = wanted.about();
+            let rows = json!("those of frame f are the rows offset[f] to offset[f] + count[f]");
+            let about = attributes([word, hits, ("description", rows)]);
+            Ragged::create(&EVENTS, wanted.hits.is_some(), bodies, about, store)
         });
         Ok(Extras {
             contacts: contacts.transpose()?,
@@ -65,9 +64,12 @@ impl Extras {
         Ok(Extras {
             contacts: run
                 .wanted_contacts()?
-                .map(|_| Ragged::resume(&CONTACTS, group, folder, frames))
+                .map(|wanted| Ragged::resume(&CONTACTS, wanted.friction, group, folder, frames))
                 .transpose()?,
-            events: run.has_events()?.then(|| Ragged::resume(&EVENTS, group, folder, frames)).transpose()?,
+            events: run
+                .has_events()?
+                .then(|| Ragged::resume(&EVENTS, run.has_hits()?, group, folder, frames))
+                .transpose()?,
             columns: columns.collect::<Result<_, Error>>()?,
             bodies,
         })
@@ -103,15 +105,15 @@ impl Extras {
     }
 
     /// Puts everything into the store.
-    pub(crate) fn flush(&self, store: &WholeFiles) -> Result<(), Error> {
-        self.contacts.iter().chain(&self.events).try_for_each(|table| table.flush(store))?;
-        self.columns.iter().try_for_each(|column| column.flush(store))
+    pub(crate) fn flush(&mut self, store: &WholeFiles) -> Result<(), Error> {
+        self.contacts.iter_mut().chain(&mut self.events).try_for_each(|table| table.flush(store))?;
+        self.columns.iter_mut().try_for_each(|column| column.flush(store))
     }
 
     /// Says how much there is.
-    pub(crate) fn announce(&self, store: &WholeFiles) -> Result<(), Error> {
-        self.contacts.iter().chain(&self.events).try_for_each(|table| table.announce(store))?;
-        self.columns.iter().try_for_each(|column| column.announce(store))
+    pub(crate) fn announce(&mut self, store: &WholeFiles) -> Result<(), Error> {
+        self.contacts.iter_mut().chain(&mut self.events).try_for_each(|table| table.announce(store))?;
+        self.columns.iter_mut().try_for_each(|column| column.announce(store))
     }
 }
 
@@ -210,6 +212,14 @@ impl RunReader {
         Ok(self.attributes()?.get("events").is_some_and(|events| !events.is_null()))
     }
 
+    /// Whether hits are among its events.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`].
+    pub fn has_hits(&self) -> Result<bool, Error> {
+        Ok(self.attributes()?.get("hits_N_s").is_some_and(|least| !least.is_null()))
+    }
+
     /// The columns of the run beside poses and velocities.
     ///
     /// # Errors
@@ -245,11 +255,9 @@ impl RunReader {
     /// # Errors
     /// [`Error::Damaged`].
     pub fn contacts(&self) -> Result<Option<ContactsReader>, Error> {
-        if self.wanted_contacts()?.is_none() {
-            return Ok(None);
-        }
+        let Some(wanted) = self.wanted_contacts()? else { return Ok(None) };
         let folder = self.folder();
-        let table = RaggedReader::open(&CONTACTS, self.group(), &folder)?;
+        let table = RaggedReader::open(&CONTACTS, wanted.friction, self.group(), &folder)?;
         Ok(Some(ContactsReader { table, folder: folder.join(CONTACTS.name) }))
     }
 
@@ -262,7 +270,7 @@ impl RunReader {
             return Ok(None);
         }
         let folder = self.folder();
-        let table = RaggedReader::open(&EVENTS, self.group(), &folder)?;
+        let table = RaggedReader::open(&EVENTS, self.has_hits()?, self.group(), &folder)?;
         Ok(Some(EventsReader { table, folder: folder.join(EVENTS.name) }))
     }
 

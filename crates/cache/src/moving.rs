@@ -32,6 +32,11 @@ const FEWEST_FRAMES: usize = 8;
 /// A quarter of a million.
 const MANY: usize = 1 << 18;
 
+/// Frames that are turned over at once; it divides the frames of every chunk.
+const STRIP: usize = 8;
+/// Bodies whose numbers of sixteen frames, some 16 KB, fit into the nearest cache.
+const BLOCK: usize = 64;
+
 /// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here, and with it kept on
 /// they take as long.
 pub(crate) const LEVEL: i32 = 1;
@@ -48,7 +53,7 @@ pub(crate) struct Moving {
     pub(crate) bodies: usize,
     /// Bodies in a chunk: shared out evenly, so that little of the last chunk is padding.
     pub(crate) chunk: usize,
-    /// Frames in a chunk, a power of two.
+    /// Frames in a chunk, a power of two from eight on.
     pub(crate) span: usize,
 }
 
@@ -127,7 +132,9 @@ impl Moving {
         );
         let (frames, bodies) = (number("/shape/0")? as u64, number("/shape/1")?);
         let found = Moving { name, width: dimension.len(), dimension, numbers, bodies, chunk, span };
-        let sizes = [span, chunk].iter().all(|&size| size > 0)
+        let sizes = chunk > 0
+            && span.is_power_of_two()
+            && span >= STRIP
             && span
                 .checked_mul(chunk)
                 .and_then(|size| size.checked_mul(4 * found.width))
@@ -170,6 +177,16 @@ impl Moving {
         (column * self.chunk).min(self.bodies)..((column + 1) * self.chunk).min(self.bodies)
     }
 
+    /// The numbers of a column's bodies at any frame of `values`, those of a row of chunks, where they are the same at all of them.
+    pub(crate) fn calm<'a>(&self, values: &'a [i32], column: usize) -> Option<&'a [i32]> {
+        let bodies = self.of_column(column);
+        let mut frames = values
+            .chunks_exact((self.bodies * self.width).max(1))
+            .map(|frame| &frame[bodies.start * self.width..bodies.end * self.width]);
+        let first = frames.next()?;
+        frames.all(|frame| frame == first).then_some(first)
+    }
+
     /// The bytes of a chunk. `values` are those of a row of chunks, frame by frame.
     pub(crate) fn encode(&self, values: &[i32], column: usize, coder: &mut Coder) -> io::Result<Vec<u8>> {
         let numbers = self.span * self.chunk * self.width;
@@ -182,27 +199,40 @@ impl Moving {
         coder.compressor.compress(&coder.planes)
     }
 
+    /// The numbers of a few bodies, all axes, are in the nearest cache while they are turned over.
     fn shuffle<const BYTES: usize>(&self, values: &[i32], column: usize, planes: &mut [u8]) {
-        let stride = self.bodies * self.width;
         let delta = self.numbers != Numbers::Bits;
         let bodies = self.of_column(column);
         let mut parts = planes.chunks_exact_mut(self.span * self.chunk * self.width);
-        let planes: [&mut [u8]; BYTES] = std::array::from_fn(|_| parts.next().unwrap_or_default());
-        let mut planes = planes.map(|plane| plane.chunks_exact_mut(self.span));
+        let mut planes: [&mut [u8]; BYTES] = std::array::from_fn(|_| parts.next().unwrap_or_default());
+        let frames: Vec<&[i32]> = values.chunks_exact((self.bodies * self.width).max(1)).collect();
         let absent = self.numbers.absent();
-        let (mut before, mut strip) = (0_i32, vec![0; self.span]);
-        for axis in 0..self.width {
-            for body in bodies.start..bodies.start + self.chunk {
-                for (frame, to) in strip.iter_mut().enumerate() {
-                    let there = body < bodies.end;
-                    let value =
-                        if there { values[frame * stride + body * self.width + axis] } else { absent };
-                    *to = if delta { value.wrapping_sub(before) } else { value };
-                    before = value;
-                }
-                for (byte, plane) in planes.iter_mut().enumerate() {
-                    for (to, value) in plane.next().unwrap_or_default().iter_mut().zip(&strip) {
-                        *to = value.to_le_bytes()[byte];
+        let value = |frame: usize, axis: usize, body: usize| {
+            let body = bodies.start + body;
+            if body < bodies.end { frames[frame][body * self.width + axis] } else { absent }
+        };
+        for first in (0..self.chunk).step_by(BLOCK) {
+            for axis in 0..self.width {
+                for body in first..(first + BLOCK).min(self.chunk) {
+                    let place = (axis * self.chunk + body) * self.span;
+                    // Differences go on from body to body and from axis to axis.
+                    let mut before = match (axis, body) {
+                        (0, 0) => 0,
+                        (_, 0) => value(self.span - 1, axis - 1, self.chunk - 1),
+                        _ => value(self.span - 1, axis, body - 1),
+                    };
+                    for frame in (0..self.span).step_by(STRIP) {
+                        let strip: [i32; STRIP] = std::array::from_fn(|i| value(frame + i, axis, body));
+                        let stored: [i32; STRIP] = std::array::from_fn(|i| match i {
+                            _ if !delta => strip[i],
+                            0 => strip[0].wrapping_sub(before),
+                            _ => strip[i].wrapping_sub(strip[i - 1]),
+                        });
+                        before = strip[STRIP - 1];
+                        for (byte, plane) in planes.iter_mut().enumerate() {
+                            let bytes = stored.map(|number| (number >> (8 * byte)) as u8);
+                            plane[place + frame..place + frame + STRIP].copy_from_slice(&bytes);
+                        }
                     }
                 }
             }

@@ -29,7 +29,10 @@ fn rows_in_chunk(bodies: usize) -> usize {
 pub(crate) struct Kind {
     /// Its group in the trajectory.
     pub(crate) name: &'static str,
+    /// All columns that there can be,
     pub(crate) columns: &'static [Column],
+    /// and how many of them, the first ones, every table has. The others are there where the run wants them.
+    pub(crate) always: usize,
 }
 
 /// A column of one.
@@ -44,6 +47,11 @@ pub(crate) struct Column {
 }
 
 impl Kind {
+    /// The columns of a table, with those that not every one has or without.
+    fn of_table(&self, more: bool) -> &'static [Column] {
+        if more { self.columns } else { &self.columns[..self.always] }
+    }
+
     fn sheet(&self, column: &Column, span: usize) -> Sheet {
         let width = column.dimensions.get(1).map_or(1, |axes| axes.len());
         let name = format!("{}/{}", self.name, column.name);
@@ -78,7 +86,7 @@ pub(crate) struct Ragged {
 }
 
 impl Ragged {
-    fn empty(kind: &Kind, span: usize) -> Self {
+    fn empty(kind: &Kind, more: bool, span: usize) -> Self {
         let [offset, count] = kind.offsets();
         let about = |text| attributes([("description", json!(text))]);
         let column = |column: &Column| {
@@ -94,26 +102,33 @@ impl Ragged {
         Ragged {
             offset: Growing::new(offset, about("first row of the frame")),
             count: Growing::new(count, about("rows of the frame")),
-            columns: kind.columns.iter().map(column).collect(),
+            columns: kind.of_table(more).iter().map(column).collect(),
         }
     }
 
-    /// Starts one of a run of so many bodies, whose group has these attributes.
+    /// Starts one of a run of so many bodies, whose group has these attributes; with the columns that not every table has where there is to be `more`.
     pub(crate) fn create(
         kind: &Kind,
+        more: bool,
         bodies: usize,
         about: Map<String, Value>,
         store: &WholeFiles,
     ) -> Result<Self, Error> {
         let group = json!({"zarr_format": 3, "node_type": "group", "attributes": about});
         store.put(&format!("{}/zarr.json", kind.name), group.to_string().as_bytes())?;
-        Ok(Self::empty(kind, rows_in_chunk(bodies)))
+        Ok(Self::empty(kind, more, rows_in_chunk(bodies)))
     }
 
     /// Goes on after the first `frames` frames of what is in the trajectory `group` in `folder`.
-    pub(crate) fn resume(kind: &Kind, group: &Group, folder: &Path, frames: u64) -> Result<Self, Error> {
-        let rows = RaggedReader::open(kind, group, folder)?.end(frames)?;
-        let Ragged { offset, count, columns } = Self::empty(kind, kind.span(group)?);
+    pub(crate) fn resume(
+        kind: &Kind,
+        more: bool,
+        group: &Group,
+        folder: &Path,
+        frames: u64,
+    ) -> Result<Self, Error> {
+        let rows = RaggedReader::open(kind, more, group, folder)?.end(frames)?;
+        let Ragged { offset, count, columns } = Self::empty(kind, more, kind.span(group)?);
         Ok(Ragged {
             offset: offset.resume(group, folder, frames)?,
             count: count.resume(group, folder, frames)?,
@@ -133,18 +148,18 @@ impl Ragged {
     }
 
     /// Puts everything into the store.
-    pub(crate) fn flush(&self, store: &WholeFiles) -> Result<(), Error> {
+    pub(crate) fn flush(&mut self, store: &WholeFiles) -> Result<(), Error> {
         self.all().try_for_each(|array| array.flush(store))
     }
 
     /// Says how much there is.
-    pub(crate) fn announce(&self, store: &WholeFiles) -> Result<(), Error> {
+    pub(crate) fn announce(&mut self, store: &WholeFiles) -> Result<(), Error> {
         self.all().try_for_each(|array| array.announce(store))
     }
 
     /// The arrays that others refer to first.
-    fn all(&self) -> impl Iterator<Item = &Growing> {
-        self.columns.iter().chain([&self.count, &self.offset])
+    fn all(&mut self) -> impl Iterator<Item = &mut Growing> {
+        self.columns.iter_mut().chain([&mut self.count, &mut self.offset])
     }
 }
 
@@ -158,11 +173,11 @@ pub(crate) struct RaggedReader {
 
 impl RaggedReader {
     /// That of the trajectory `group` in `folder`.
-    pub(crate) fn open(kind: &Kind, group: &Group, folder: &Path) -> Result<Self, Error> {
+    pub(crate) fn open(kind: &Kind, more: bool, group: &Group, folder: &Path) -> Result<Self, Error> {
         let [offset, count] = kind.offsets().map(|sheet| SheetReader::open(group, folder, sheet));
         let span = kind.span(group)?;
-        let columns =
-            kind.columns.iter().map(|column| SheetReader::open(group, folder, kind.sheet(column, span)));
+        let open = |column: &Column| SheetReader::open(group, folder, kind.sheet(column, span));
+        let columns = kind.of_table(more).iter().map(open);
         let bytes = |reader: SheetReader| reader.rows(0..reader.len());
         let reader = RaggedReader {
             offsets: bytes(offset?)?.as_chunks().0.iter().map(|&b| u64::from_le_bytes(b)).collect(),

@@ -238,11 +238,15 @@ pub(crate) struct Growing {
     values: Vec<u8>,
     /// Rows that there are, those included that are on disk.
     rows: u64,
+    /// Rows that are in the store, and that it says there are; `None` where that is not known. What has not changed is not written again: of events there
+    /// may be none for a long time, and every file that is written has to be handed to the disk before a checkpoint.
+    stored: Option<u64>,
+    said: Option<u64>,
 }
 
 impl Growing {
     pub(crate) fn new(sheet: Sheet, attributes: Map<String, Value>) -> Self {
-        Growing { sheet, attributes, values: Vec::new(), rows: 0 }
+        Growing { sheet, attributes, values: Vec::new(), rows: 0, stored: None, said: None }
     }
 
     /// Goes on after the first `rows` rows of what is on disk.
@@ -269,6 +273,7 @@ impl Growing {
             (missing, bytes, self.rows) = (missing - now, rest, self.rows + now);
             if self.rows.is_multiple_of(span) {
                 self.write(self.rows / span - 1, store)?;
+                self.stored = Some(self.rows);
                 self.values.clear();
             }
         }
@@ -276,9 +281,13 @@ impl Growing {
     }
 
     /// Writes the chunk that is not full.
-    pub(crate) fn flush(&self, store: &WholeFiles) -> Result<(), Error> {
+    pub(crate) fn flush(&mut self, store: &WholeFiles) -> Result<(), Error> {
         let span = self.sheet.span as u64;
-        if self.rows.is_multiple_of(span) { Ok(()) } else { self.write(self.rows / span, store) }
+        if !self.rows.is_multiple_of(span) && self.stored != Some(self.rows) {
+            self.write(self.rows / span, store)?;
+            self.stored = Some(self.rows);
+        }
+        Ok(())
     }
 
     fn write(&self, row: u64, store: &WholeFiles) -> Result<(), Error> {
@@ -294,9 +303,13 @@ impl Growing {
     }
 
     /// Says how many rows there are.
-    pub(crate) fn announce(&self, store: &WholeFiles) -> Result<(), Error> {
-        let metadata = self.sheet.metadata(self.rows(), &self.attributes).to_string();
-        store.put(&format!("{}/zarr.json", self.sheet.name), metadata.as_bytes())
+    pub(crate) fn announce(&mut self, store: &WholeFiles) -> Result<(), Error> {
+        if self.said != Some(self.rows) {
+            let metadata = self.sheet.metadata(self.rows, &self.attributes).to_string();
+            store.put(&format!("{}/zarr.json", self.sheet.name), metadata.as_bytes())?;
+            self.said = Some(self.rows);
+        }
+        Ok(())
     }
 }
 
@@ -412,6 +425,29 @@ mod tests {
                 assert!(files() == before);
             }
         }
+    }
+
+    /// Promise: nothing is written where nothing has come, so that there is nothing to hand to the disk.
+    #[test]
+    fn what_has_not_changed_is_not_written_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = WholeFiles::new(folder.path().to_owned());
+        let sheet = Sheet::of_rows("x".into(), NumberType::U32, &["event"], 1, 100);
+        let mut writer = Growing::new(sheet, Map::new());
+        let mut write = |rows: u64| {
+            writer.push(rows, &vec![7; 4 * rows as usize], &store).unwrap();
+            writer.flush(&store).unwrap();
+            writer.announce(&store).unwrap();
+            let files =
+                ["x/c.0", "x/zarr.json"].map(|name| fs::remove_file(folder.path().join(name)).is_ok());
+            files
+        };
+        assert_eq!(write(0), [false, true]);
+        assert_eq!(write(0), [false, false]);
+        assert_eq!(write(3), [true, true]);
+        assert_eq!(write(0), [false, false]);
+        assert_eq!(write(97), [true, true]);
+        assert_eq!(write(0), [false, false]);
     }
 
     #[test]

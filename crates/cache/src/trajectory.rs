@@ -96,6 +96,16 @@ struct Track {
     attributes: Map<String, Value>,
     /// Frame by frame.
     values: Vec<i32>,
+    /// What the last chunk of each column was, where nobody in it moved.
+    calm: Vec<Option<Calm>>,
+}
+
+/// A chunk in which nobody moves. The next one is the same, byte for byte, as long as that stays so: a pile at rest need not be compressed.
+#[derive(Debug)]
+struct Calm {
+    /// The numbers of any of its frames.
+    frame: Vec<i32>,
+    bytes: Vec<u8>,
 }
 
 /// Writes a trajectory frame by frame.
@@ -178,7 +188,7 @@ impl TrajectoryWriter {
         let arrays =
             arrays.map(|(&(name, dimension), numbers)| Moving::new(name, dimension, numbers, bodies));
         let extras = Extras::create(contents, bodies, &store)?;
-        let writer = Self::empty(store, arrays.collect(), contents.origin, extras)?;
+        let mut writer = Self::empty(store, arrays.collect(), contents.origin, extras)?;
         writer.announce()?;
         Ok(writer)
     }
@@ -232,6 +242,7 @@ impl TrajectoryWriter {
         let track = |array: Moving| Track {
             attributes: about(array.name, origin),
             values: vec![array.numbers.absent(); array.row()],
+            calm: (0..array.columns()).map(|_| None).collect(),
             array,
         };
         let per_frame =
@@ -372,24 +383,37 @@ impl TrajectoryWriter {
         }
         let (store, frames) = (&self.store, self.frames);
         let row = (frames - 1) / self.span as u64;
-        let chunks: Vec<(&Track, usize)> = self
-            .tracks
-            .iter()
-            .flat_map(|track| (0..track.array.columns()).map(move |column| (track, column)))
+        let tracks = &mut self.tracks;
+        let chunks: Vec<(usize, usize)> = (0..tracks.len())
+            .flat_map(|track| (0..tracks[track].array.columns()).map(move |column| (track, column)))
             .collect();
         // As many at a time as there are threads: no more than that waits in memory for the disk.
         for chunks in chunks.chunks(self.coders.len()) {
-            let encode = |(coder, &(Track { array, values, .. }, column)): (&mut Coder, &(&Track, usize))| {
-                array.encode(values, column, coder)
+            // Nothing where the chunk is the one before.
+            let encode = |(coder, &(track, column)): (&mut Coder, &(usize, usize))| {
+                let Track { array, values, calm, .. } = &tracks[track];
+                let frame = array.calm(values, column);
+                if calm[column].as_ref().is_some_and(|before| frame == Some(&before.frame[..])) {
+                    return Ok(None);
+                }
+                let frame = frame.map(<[i32]>::to_vec);
+                array.encode(values, column, coder).map(|bytes| Some((frame, bytes)))
             };
             let coders = &mut self.coders;
             let encoded: Vec<_> = match &self.threads {
                 Some(threads) => threads.install(|| coders.par_iter_mut().zip(chunks).map(encode).collect()),
                 None => coders.iter_mut().zip(chunks).map(encode).collect(),
             };
-            for ((track, column), bytes) in chunks.iter().zip(encoded) {
-                let bytes = bytes.map_err(|error| store.explain(error))?;
-                store.put(&track.array.key(row, *column), &bytes)?;
+            for (&(track, column), new) in chunks.iter().zip(encoded) {
+                let Track { array, calm, .. } = &mut tracks[track];
+                let key = array.key(row, column);
+                match new.map_err(|error| store.explain(error))? {
+                    Some((frame, bytes)) => {
+                        store.put(&key, &bytes)?;
+                        calm[column] = frame.map(|frame| Calm { frame, bytes });
+                    }
+                    None => calm[column].iter().try_for_each(|before| store.put(&key, &before.bytes))?,
+                }
             }
         }
         self.extras.flush(store)?;
@@ -406,7 +430,7 @@ impl TrajectoryWriter {
     }
 
     /// What is there may be seen; `time` says so last.
-    fn announce(&self) -> Result<(), Error> {
+    fn announce(&mut self) -> Result<(), Error> {
         for Track { array, attributes, .. } in &self.tracks {
             let metadata = array.metadata(self.frames, attributes).to_string();
             self.store.put(&format!("{}/zarr.json", array.name), metadata.as_bytes())?;

@@ -46,15 +46,18 @@ def main(path: Path) -> None:
         "normal": ("f4", vector, "1"),
         "distance": ("f4", ("contact",), "m"),
         "force": ("f4", ("contact",), "N"),
+        "friction": ("f4", vector, "N"),
     }
     check_arrays(contacts, xarray.open_zarr(path, group="contacts", consolidated=False), cases)
     assert contacts.attrs["every"] == 1 and contacts.attrs["least_force_N"] == 2.5
     assert run.attrs["contacts"]["every"] == 1
 
     events = run["events"]
-    cases = {"kind": ("u1", ("event",), None), "a": ("u8", ("event",), None), "b": ("u8", ("event",), None)}
+    cases = {name: (dtype, ("event",), None) for name, dtype in {"kind": "u1", "a": "u8", "b": "u8"}.items()}
+    cases["impulse"] = ("f4", ("event",), "N s")
     check_arrays(events, xarray.open_zarr(path, group="events", consolidated=False), cases)
     assert run.attrs["events"] == events.attrs["events"] == "all"
+    assert run.attrs["hits_N_s"] == events.attrs["hits_N_s"] == 4.5
 
     columns = {"heat": ("f4", "K"), "work": ("f8", "J"), "touched": ("u4", "1")}
     assert run.attrs["columns"] == list(columns)
@@ -70,9 +73,12 @@ def main(path: Path) -> None:
         np.testing.assert_array_equal(contacts["normal"][here], normals[k % 2])
         np.testing.assert_array_equal(contacts["distance"][here], -x / np.float32(1024))
         np.testing.assert_array_equal(contacts["force"][here], np.float32(2.5) + x)
+        friction = np.stack([np.zeros_like(x), np.full_like(x, 0.25), -x], 1)
+        np.testing.assert_array_equal(contacts["friction"][here], friction)
 
         here, k = rows(events, frame), np.arange(frame % 7)
-        np.testing.assert_array_equal(events["kind"][here], k % 4)
+        np.testing.assert_array_equal(events["kind"][here], k % 5)
+        np.testing.assert_array_equal(events["impulse"][here], np.where(k % 5 == 4, 4.75 + frame, 0))
         np.testing.assert_array_equal(events["a"][here], 2 * k + 1)
         np.testing.assert_array_equal(events["b"][here], np.full(len(k), 2 * frame + 1))
 

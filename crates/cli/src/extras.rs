@@ -9,7 +9,7 @@ use rockfall_cache::{
 use rockfall_scene::{Running, Scene};
 
 /// All contacts, of which bodies have their counts and sums.
-const ALL: WantedContacts = WantedContacts { every: 1, force: 0.0 };
+const ALL: WantedContacts = WantedContacts { every: 1, force: 0.0, friction: false };
 
 /// A column that a scene can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,8 @@ pub(crate) struct Extras {
 
 /// Has the world watch what the scene wants to be told of; before its first step, and before it goes on from a checkpoint.
 pub(crate) fn watch(scene: &Scene, running: &mut Running) -> Result<(), Failure> {
-    let watch = Watch { contacts: scene.output.touches, ..Watch::default() };
+    let impulse = scene.output.hits.map(|least| least as f32);
+    let watch = Watch { contacts: scene.output.touches, impulse, ..Watch::default() };
     running.world.watch(watch).map_err(|error| Failure::Run(error.to_string()))
 }
 
@@ -41,12 +42,13 @@ impl Extras {
         let wanted = &scene.output;
         let sensors = wanted.sensors && running.body_table().iter().any(|row| row.sensor);
         Extras {
-            contacts: wanted.contacts.map(|(every, force)| WantedContacts { every, force }),
-            events: match (wanted.touches, sensors) {
-                (true, _) => Some(WantedEvents::All),
-                (false, true) => Some(WantedEvents::Sensors),
-                (false, false) => None,
-            },
+            contacts: wanted.contacts.map(|(every, force)| WantedContacts { every, force, friction: true }),
+            events: Some(WantedEvents {
+                sensors: sensors || wanted.touches,
+                touches: wanted.touches,
+                hits: wanted.hits.map(|least| least as f32),
+            })
+            .filter(|wanted| *wanted != WantedEvents::default()),
             columns: wanted.columns.iter().filter_map(|word| BuiltIn::of(word)).collect(),
         }
     }

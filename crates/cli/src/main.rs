@@ -28,6 +28,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     map_large_blocks();
+    say::hush_readers();
     let done = match Cli::parse().verb {
         Verb::Run(args) => run::run(&args),
         Verb::Info(args) => info::info(&args),

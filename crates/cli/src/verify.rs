@@ -118,6 +118,7 @@ fn extras(reader: &RunReader, ids: &[u64], frames: u64) -> Result<Vec<String>, E
 fn are_sound(contacts: &Contacts) -> bool {
     let unit = |n: &[f32; 3]| (n.iter().map(|x| x * x).sum::<f32>().sqrt() - 1.0).abs() < UNIT;
     let numbers = contacts.distances.iter().chain(&contacts.forces);
+    let numbers = numbers.chain(contacts.frictions.as_flattened());
     contacts.normals.iter().all(unit)
         && contacts.positions.as_flattened().iter().chain(numbers).all(|x| x.is_finite())
         && contacts.a.iter().zip(&contacts.b).all(|(a, b)| a < b)

@@ -8,6 +8,7 @@
 mod affine;
 mod build;
 mod content;
+mod foreign;
 mod form;
 mod gltf_scene;
 pub mod mesh_file;
@@ -15,4 +16,5 @@ mod read;
 mod usd;
 
 pub use content::{Body, Content, Geometry, Kind, Mass, Material, Mix, Note, Part, Weight};
+pub use foreign::is_reading;
 pub use read::{ImportError, Place, is_scene, read};

@@ -12,10 +12,10 @@ mod obj;
 mod ply;
 mod stl;
 
+use crate::foreign::foreign;
 use rockfall_math::Vec3;
 use std::fs::File;
 use std::io::{ErrorKind, Read};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// The largest file that is read, bytes.
@@ -123,10 +123,8 @@ pub fn read(path: &Path) -> Result<TriangleSoup, MeshFileError> {
     let bytes = content(path)?;
     let malformed =
         |reason: String| MeshFileError::Malformed { path: path.into(), format, reason: brief(&reason) };
-    // The readers are libraries: should one of them panic on a file, that is the file's error and not ours.
-    let soup = catch_unwind(AssertUnwindSafe(|| parse(&bytes, path)))
-        .map_err(|_| malformed("its reader gave up".into()))?
-        .map_err(malformed)?;
+    let soup = foreign(|| parse(&bytes, path));
+    let soup = soup.unwrap_or_else(|| Err("its reader gave up".into())).map_err(malformed)?;
     check(soup, path)
 }
 

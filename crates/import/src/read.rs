@@ -2,6 +2,7 @@
 
 use crate::affine::Affine;
 use crate::content::Content;
+use crate::foreign::foreign;
 use crate::{gltf_scene, usd};
 use rockfall_math::{DMat3, DQuat, DVec3, Pose};
 use std::fs::File;
@@ -74,12 +75,12 @@ pub fn read(path: &Path, place: &Place) -> Result<Content, ImportError> {
     let turn = Affine::rotation(DQuat::from_xyzw(x, y, z, w));
     let scale = Affine::linear(DMat3::from_diagonal(DVec3::splat(place.scale)));
     let place = Affine::translation(place.pose.position).after(&turn).after(&scale);
-    let job = || read(path, &place);
-    // The readers are libraries: should one of them panic on a file, that is the file's error and not ours.
+    let gave_up = || Err("its reader gave up: the file is not sound".into());
+    let job = || foreign(|| read(path, &place)).unwrap_or_else(gave_up);
     let content = std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, job);
         let thread = thread.map_err(|error| error.to_string())?;
-        thread.join().unwrap_or_else(|_| Err("its reader gave up: the file is not sound".into()))
+        thread.join().unwrap_or_else(|_| gave_up())
     });
     let mut content = content.map_err(|reason| failed(crate::mesh_file::brief(&reason)))?;
     content.checksum = checksum(path).map_err(|error| failed(error.to_string()))?;

@@ -159,6 +159,12 @@ rotation_error = 0.1
             "\"sensors\"",
             "`sensors`: who comes into sensors and leaves them, where the scene has any; `all`: also which bodies begin to touch and cease.",
         ),
+        optional(
+            "hits",
+            Ty::Number(NOT_NEGATIVE),
+            "Which bodies press each other by more than this in a step, N s, is written among the events. What rests presses by its weight times the \
+             length of a step.",
+        ),
         key(
             "columns",
             Ty::Choices(COLUMNS),
@@ -187,20 +193,23 @@ pub struct Output {
     pub sensors: bool,
     /// So is which bodies begin to touch and cease.
     pub touches: bool,
+    /// So is which bodies press each other by more than this in a step, N s.
+    pub hits: Option<f64>,
     /// Further columns, by the words of scene files.
     pub columns: Vec<String>,
 }
 
 /// What `[output]` says.
 pub(crate) fn output(table: &Table) -> Output {
-    let bound = |key| table.has(key).then(|| table.f64(key));
+    let given = |key| table.has(key).then(|| table.f64(key));
     Output {
-        position_error: bound("position_error"),
-        rotation_error: bound("rotation_error"),
+        position_error: given("position_error"),
+        rotation_error: given("rotation_error"),
         velocities: table.bool("velocities"),
         contacts: table.bool("contacts").then(|| (table.int("contacts_every"), table.f64("contacts_force"))),
         sensors: table.text("events") != "none",
         touches: table.text("events") == "all",
+        hits: given("hits"),
         columns: table.list("columns").iter().map(|node| node.value.text().to_owned()).collect(),
     }
 }

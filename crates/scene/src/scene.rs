@@ -160,9 +160,11 @@ impl Scene {
         load::edit(&mut self.root, "world", |world| world.set(key, value));
     }
 
-    /// What files of other programs hold and the scene can't have, and what was taken for something else: a line for each, with its file.
+    /// What files of other programs hold and the scene can't have, and what was taken for something else: a line for each, with its file. Also, where it
+    /// starts with a frame that is not there to the bit, which one that is.
     pub fn notes(&self) -> Vec<String> {
-        import::notes(&self.root, &self.imports)
+        let begun = self.begun.as_ref().and_then(|begun| begun.note());
+        begun.into_iter().chain(import::notes(&self.root, &self.imports)).collect()
     }
 
     /// Bodies, those included that will be poured.

@@ -89,6 +89,18 @@ pub(crate) struct Former {
 }
 
 impl Begun {
+    /// What there is to know of a frame that is not there to the bit.
+    pub(crate) fn note(&self) -> Option<String> {
+        let Start { run, state, .. } = &self.start;
+        (state.velocity_of == VelocityOf::ShapeFrame).then(|| {
+            format!(
+                "it starts with frame {} of {}, whose velocities are means over a step, since the run has no others of it",
+                state.frame,
+                run.display()
+            )
+        })
+    }
+
     /// Reads what the table `[start]` of the scene `root` wants, which has imports.
     pub(crate) fn read(
         table: &Table,

@@ -175,6 +175,7 @@ impl Bodies {
     }
 
     /// The frame of the shape in the world.
+    #[inline]
     pub(crate) fn shape_pose(&self, row: usize) -> Pose {
         let rotation = self.rotations[row];
         let center = rotation::rotate(rotation, self.centers[row]);

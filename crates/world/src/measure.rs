@@ -6,9 +6,9 @@
 use crate::bodies::{Bodies, State};
 use crate::{Kind, Settings, StepReport};
 use rayon::prelude::*;
-use rockfall_math::hash::{combine, mix};
 use rockfall_math::{DVec3, Mat3, rotation};
 use rockfall_solve::Contacts;
+use xxhash_rust::xxh3::xxh3_64;
 
 /// Rows in a partial sum.
 const RUN: usize = 1024;
@@ -121,17 +121,28 @@ pub(crate) fn kinetic(bodies: &Bodies, row: usize) -> f64 {
     motion(bodies, row).energy()
 }
 
-/// Equal for equal states: the sum over all bodies of a hash of id, pose and velocities.
+/// Bytes of a body that its hash is of.
+const HASHED: usize = 72;
+
+/// Equal for equal states: the sum, modulo 2⁶⁴, over all bodies of XXH3 of what [`hashed`] says of each. A sum knows no order, so that all threads
+/// share it.
 pub(crate) fn hash(bodies: &Bodies) -> u64 {
-    let one = |row: usize| {
-        if bodies.states[row] == State::Dead {
-            return 0;
-        }
-        let (q, [vx, vy, vz, wx, wy, wz, ..]) = (bodies.rotations[row], bodies.lines[row].motion);
-        let position = bodies.positions[row].to_array();
-        let seed = combine(mix(bodies.ids[row]), position.iter().fold(0, |h, x| combine(h, x.to_bits())));
-        let floats = [q.x, q.y, q.z, q.w, vx, vy, vz, wx, wy, wz];
-        floats.iter().fold(seed, |h, x| combine(h, u64::from(x.to_bits())))
-    };
+    let one = |row: usize| if bodies.states[row] == State::Dead { 0 } else { xxh3_64(&hashed(bodies, row)) };
     (1..bodies.rows()).into_par_iter().with_min_len(1024).map(one).reduce(|| 0, u64::wrapping_add)
+}
+
+/// The id (8 bytes), the centre of mass (three of 8), the rotation x, y, z, w, the linear and the angular velocity (of 4 each), lowest byte first.
+fn hashed(bodies: &Bodies, row: usize) -> [u8; HASHED] {
+    let (q, [vx, vy, vz, wx, wy, wz, ..]) = (bodies.rotations[row], bodies.lines[row].motion);
+    let mut bytes = [0; HASHED];
+    let (wide, narrow) = bytes.split_at_mut(32);
+    let [x, y, z] = bodies.positions[row].to_array().map(f64::to_bits);
+    for (to, word) in wide.as_chunks_mut().0.iter_mut().zip([bodies.ids[row], x, y, z]) {
+        *to = word.to_le_bytes();
+    }
+    let floats = [q.x, q.y, q.z, q.w, vx, vy, vz, wx, wy, wz];
+    for (to, float) in narrow.as_chunks_mut().0.iter_mut().zip(floats) {
+        *to = float.to_le_bytes();
+    }
+    bytes
 }

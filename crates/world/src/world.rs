@@ -18,6 +18,7 @@ use crate::touch::Fresh;
 use crate::touches::Touches;
 use crate::{BodyId, Error, Material, Settings, Shape, StepReport};
 use query::late::Late;
+use read::Sorted;
 use rockfall_math::lanes::Width;
 use rockfall_math::{DVec3, Quat, Vec3};
 use rockfall_shape::MassProperties;
@@ -62,6 +63,9 @@ pub struct Contact {
     pub distance: f32,
     /// Normal impulse in the last sub-step, N s; times the rate of the sub-steps it is a force.
     pub impulse: f32,
+    /// Impulse of friction on `b` in the last sub-step, in the world's axes, N s. The solver has one for all points of a manifold: each has the share of
+    /// it that it has of the normal impulse.
+    pub friction: Vec3,
 }
 
 /// Bodies, shapes, materials, and the state that goes on from one step to the next.
@@ -104,8 +108,8 @@ pub struct World {
     rows: Vec<u32>,
     /// Slots of bodies that were removed, for others.
     vacant: Vec<u32>,
-    /// Rows of bodies that are alive, sorted by id; made when somebody asks.
-    sorted: OnceLock<Vec<u32>>,
+    /// Bodies that are alive, sorted by id; made when somebody asks.
+    sorted: OnceLock<Sorted>,
     names: HashMap<u64, String>,
     next_id: u64,
     /// Rows at the end that the last step did not see.

@@ -144,3 +144,42 @@ fn resting_bodies_are_nearly_free() {
         assert!(each < 1.5, "{kind}: {each} bytes");
     }
 }
+
+/// Promise: chunks of bodies that rest, which are not compressed again, are those of every frame: before a body moves, when it does, and when all rest once more.
+#[test]
+fn what_rests_and_moves_and_rests_again_reads_back() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two columns of chunks of sixteen frames: in the second one nobody moves.
+    let bodies = 16_384;
+    let pose_of = |frame: u64| if (35..50).contains(&frame) { frame } else { 3 + frame / 70 };
+    let poses = |frame: u64| {
+        let (mut here, there) = (exact(bodies, 3), exact(bodies, pose_of(frame)));
+        here.positions[..30].copy_from_slice(&there.positions[..30]);
+        here.orientations[..40].copy_from_slice(&there.orientations[..40]);
+        here
+    };
+    for (kind, contents) in
+        [("lossless", Contents::from(ORIGIN)), ("bounded", Contents { velocities: false, ..bounded() })]
+    {
+        let path = folder.path().join(kind);
+        let mut writer = start_with(&path, bodies, contents).unwrap();
+        for index in 0..120 {
+            writer.push(Frame { time: index as f64, poses: poses(index), ..Frame::default() }).unwrap();
+        }
+        writer.finish().unwrap();
+        let run = RunReader::open(&path).unwrap();
+        let off = |(a, b): (&f32, &f32)| if (a - b).is_nan() { f32::INFINITY } else { (a - b).abs() };
+        let worst = |a: &[f32], b: &[f32]| a.iter().zip(b).map(off).fold(0.0, f32::max);
+        let bound = if kind == "lossless" { 0.0 } else { 1e-3 };
+        for frame in 0..120 {
+            let (found, expected) = (run.poses(frame).unwrap(), poses(frame));
+            assert!(worst(&found.positions, &expected.positions) <= bound, "{kind}, frame {frame}");
+            assert!(worst(&found.orientations, &expected.orientations) <= bound, "{kind}, frame {frame}");
+        }
+        let chunk = |row: u32, column: u32| {
+            fs::read(path.join(TRAJECTORY).join(format!("position/c.{row}.{column}.0"))).unwrap()
+        };
+        assert_eq!(chunk(0, 1), chunk(6, 1));
+        assert!(chunk(0, 0) == chunk(1, 0) && chunk(1, 0) != chunk(2, 0) && chunk(5, 0) == chunk(6, 0));
+    }
+}

@@ -1,7 +1,11 @@
 //! Contacts, events and columns come back as they were written.
 
-use crate::synthetic::{self, columns, contacts, events, everything, fill, rolling_frame, start_with};
-use rockfall_cache::{Column, Contents, Error, RunReader, Values};
+use crate::synthetic::{
+    self, columns, contacts, events, everything, fill, full_frame, rolling_frame, start_with,
+};
+use rockfall_cache::{
+    Column, Contacts, Contents, Error, Event, RunReader, TRAJECTORY, Values, WantedContacts, WantedEvents,
+};
 
 /// Bits, so that NaN equals itself.
 fn text(values: &Values) -> String {
@@ -40,6 +44,30 @@ fn everything_comes_back_in_any_order() {
     let run = RunReader::open(&lean).unwrap();
     assert!(run.contacts().unwrap().is_none() && run.events().unwrap().is_none());
     assert!(run.columns().unwrap().is_empty());
+}
+
+/// What runs of older versions lack, and those that do not want it.
+#[test]
+fn friction_and_impulses_may_be_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let without = Contents {
+        contacts: everything().contacts.map(|wanted| WantedContacts { friction: false, ..wanted }),
+        events: everything().events.map(|wanted| WantedEvents { hits: None, ..wanted }),
+        ..everything()
+    };
+    let writer = start_with(&path, 7, without.clone()).unwrap();
+    fill(writer, &path, 7, 0..9, full_frame).unwrap();
+    assert!(!path.join(TRAJECTORY).join("contacts/friction").exists());
+    assert!(!path.join(TRAJECTORY).join("events/impulse").exists());
+    let run = RunReader::open(&path).unwrap();
+    assert_eq!((run.wanted_contacts().unwrap(), run.has_hits().unwrap()), (without.contacts, false));
+    let (found, told) = (run.contacts().unwrap().unwrap(), run.events().unwrap().unwrap());
+    for frame in 0..9 {
+        assert_eq!(found.at(frame).unwrap(), Contacts { frictions: Vec::new(), ..contacts(7, frame) });
+        let silent = events(frame).into_iter().map(|event| Event { impulse: 0.0, ..event });
+        assert!(told.at(frame).unwrap().into_iter().eq(silent));
+    }
 }
 
 #[test]

@@ -76,8 +76,8 @@ pub(crate) fn everything() -> Contents {
         description: format!("{name} of a body"),
     };
     Contents {
-        contacts: Some(WantedContacts { every: 1, force: 2.5 }),
-        events: Some(WantedEvents::All),
+        contacts: Some(WantedContacts { every: 1, force: 2.5, friction: true }),
+        events: Some(WantedEvents { sensors: true, touches: true, hits: Some(4.5) }),
         columns: vec![
             column("heat", NumberType::F32, "K"),
             column("work", NumberType::F64, "J"),
@@ -98,6 +98,7 @@ pub(crate) fn contacts(bodies: usize, frame: u64) -> Contacts {
         found.normals.push([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]][k as usize % 2]);
         found.distances.push(-x / 1024.0);
         found.forces.push(2.5 + x);
+        found.frictions.push([0.0, 0.25, -x]);
     }
     found
 }
@@ -105,7 +106,11 @@ pub(crate) fn contacts(bodies: usize, frame: u64) -> Contacts {
 /// Events of the same.
 pub(crate) fn events(frame: u64) -> Vec<Event> {
     let kinds = EventKind::ALL.into_iter().cycle();
-    kinds.zip(0..frame % 7).map(|(kind, k)| Event { kind, a: 2 * k + 1, b: 2 * frame + 1 }).collect()
+    let event = |(kind, k): (EventKind, u64)| {
+        let impulse = if kind == EventKind::Hit { 4.75 + frame as f32 } else { 0.0 };
+        Event { kind, a: 2 * k + 1, b: 2 * frame + 1, impulse }
+    };
+    kinds.zip(0..frame % 7).map(event).collect()
 }
 
 /// Columns of the same.

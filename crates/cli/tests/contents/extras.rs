@@ -13,6 +13,7 @@ frames = 150
 velocities = true
 contacts = true
 events = "all"
+hits = 50
 columns = ["speed", "kinetic_energy", "contact_count", "contact_force", "asleep"]
 
 [shapes.floor]
@@ -51,6 +52,7 @@ position = [0, 5, 0.75]
 [[bodies]]
 name = "ball"
 shape = "ball"
+mass = 10
 position = [5, 0, 3]
 "#;
 
@@ -98,6 +100,17 @@ fn contacts_carry_what_rests_on_them() {
         }
     }
     assert!(contacts.at(0).unwrap().is_empty());
+    // Friction slows the slider down, at 0.6 g, and nothing pulls at what is at rest. It is the force on the body with the larger id.
+    let friction = |frame: u64, b: u64| -> [f32; 3] {
+        let found = contacts.at(frame).unwrap();
+        let mine = (0..found.len()).filter(|&k| (found.a[k], found.b[k]) == (FLOOR, b));
+        mine.fold([0.0; 3], |sum, k| std::array::from_fn(|axis| sum[axis] + found.frictions[k][axis]))
+    };
+    let [x, y, z] = friction(5, SLIDER);
+    assert!((x / (-0.6 * 100.0 * 9.81) - 1.0).abs() < 0.02 && y.abs() < 5.0 && z.abs() < 5.0, "{x} {y} {z}");
+    for body in [SLIDER, 4] {
+        assert!(friction(60, body).iter().all(|force| force.abs() < 5.0), "{:?}", friction(60, body));
+    }
     // Nothing that is merely near: the ball in the air has no contact.
     assert!((1..20).all(|frame| !contacts.at(frame).unwrap().b.contains(&BALL)));
 
@@ -177,7 +190,7 @@ fn events_tell_who_passes_the_gate_and_who_touches() {
             match kind {
                 EventKind::Begun => assert!(open.insert((a, b))),
                 EventKind::Ended => assert!(open.remove(&(a, b))),
-                EventKind::Entered | EventKind::Left => {}
+                EventKind::Entered | EventKind::Left | EventKind::Hit => {}
             }
         }
         let found = contacts.at(frame).unwrap();
@@ -187,14 +200,40 @@ fn events_tell_who_passes_the_gate_and_who_touches() {
     }
 }
 
+/// Promise: what a hit gives the ball is what its velocity says; and what rests, however heavy, is not told of.
+#[test]
+fn hits_change_velocities_by_their_impulse() {
+    let place = place(SCENE);
+    let run = RunReader::open(&place.path("run")).unwrap();
+    let (events, mut hits) = (run.events().unwrap().unwrap(), 0);
+    let fall = |frame: u64| run.velocities(frame).unwrap().unwrap().at(BALL as usize - 1).unwrap().0.z;
+    for frame in 0..=150 {
+        for event in events.at(frame).unwrap() {
+            if event.kind != EventKind::Hit {
+                assert_eq!(event.impulse, 0.0);
+                continue;
+            }
+            assert_eq!((event.a, event.b), (FLOOR, BALL));
+            let given = 10.0 * (fall(frame) - fall(frame - 1) + 9.81 / 60.0);
+            assert!(
+                event.impulse > 50.0 && (event.impulse / given - 1.0).abs() < 0.01,
+                "{event:?}, {given} N s"
+            );
+            hits += 1;
+        }
+    }
+    assert_eq!(hits, 1);
+}
+
 #[test]
 fn what_is_not_asked_for_is_not_written_and_nothing_changes() {
     let place = place(SCENE);
     let hash = |name: &str| RunReader::open(&place.path(name)).unwrap().summary().hash.clone();
-    for (name, output, sensors) in [
-        ("nothing", "events = \"none\"", false),
-        ("sensors", "", true),
-        ("some", "contacts = true\ncontacts_every = 10\ncontacts_force = 300\nevents = \"none\"", false),
+    for (name, output, told) in [
+        ("nothing", "events = \"none\"", None),
+        ("sensors", "", Some(2)),
+        ("hits", "events = \"none\"\nhits = 50", Some(1)),
+        ("some", "contacts = true\ncontacts_every = 10\ncontacts_force = 300\nevents = \"none\"", None),
     ] {
         let (start, rest) = SCENE.split_once("[output]").unwrap();
         let (_, rest) = rest.split_once("[shapes.floor]").unwrap();
@@ -203,9 +242,8 @@ fn what_is_not_asked_for_is_not_written_and_nothing_changes() {
         expect(&place.rockfall(&format!("run other.toml --out {name} --quiet --threads 1 --lanes 4")), 0);
         assert_eq!(hash(name), hash("run"), "{name}");
         let run = RunReader::open(&place.path(name)).unwrap();
-        let events = run.events().unwrap();
-        assert_eq!(events.is_some(), sensors);
-        assert!(events.is_none_or(|events| events.total() == 2));
+        assert_eq!(run.events().unwrap().map(|events| events.total()), told);
+        assert_eq!(run.has_hits().unwrap(), name == "hits");
         assert!(run.columns().unwrap().is_empty());
         let Some(contacts) = run.contacts().unwrap() else { continue };
         let all = RunReader::open(&place.path("run")).unwrap().contacts().unwrap().unwrap();

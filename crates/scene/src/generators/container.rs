@@ -11,7 +11,8 @@ use rockfall_math::{DVec3, Pose};
 
 pub(super) static CONTAINER_KEYS: Spec = Spec {
     name: "container",
-    about: "Fixed walls around a box-shaped room, and a floor.",
+    about: "Fixed walls around a box-shaped room, and a floor. They are called `left` and `right` along x, `front` and `back` along y, `floor` and `lid`, each \
+            behind the name of the generator and a dot, such as `silo.left`; without a name, `container.left`.",
     example: r#"[[generators]]
 kind = "container"
 size = [20, 20, 15]
@@ -35,16 +36,21 @@ pub(super) static CONTAINER: GeneratorKind = GeneratorKind {
     place,
 };
 
+/// Names of the walls, behind that of the container: those across x, those across y, floor and lid. Events and exports tell them apart by it.
+const NAMES: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["floor", "lid"]];
+
 fn place(table: &Table, _: &str, yard: &mut Yard<'_>) -> Result<(), Problem> {
     let material = yard.material(table);
     let template = yard.template(Template::fixed(table, material));
     let (room, t) = (table.dvec3("size"), table.f64("thickness"));
     let middle = table.dvec3("position") + DVec3::new(0.0, 0.0, 0.5 * room.z);
+    let name = Some(table.text("name")).filter(|name| !name.is_empty()).unwrap_or(CONTAINER_KEYS.name);
     let mut part = |axis: usize, size: DVec3, sign: f64| -> Result<(), Problem> {
         let shape = yard.shape(Shape::Box { half: (0.5 * size).as_vec3() }, table)?;
         let mut position = middle;
         position[axis] += sign * 0.5 * (room[axis] + t);
         yard.add(template, shape, 1.0, Pose::at(position));
+        yard.name(&format!("{name}.{}", NAMES[axis][usize::from(sign > 0.0)]));
         Ok(())
     };
     // The x walls cover the ends of the y walls; floor and lid cover all four.

@@ -11,6 +11,20 @@ use rockfall_math::{DVec3, Pose, Quat, Vec3};
 use rockfall_solve::row_of;
 use std::sync::Arc;
 
+/// Rows of bodies that are alive, and their ids, which ascend.
+#[derive(Debug)]
+pub(super) struct Sorted {
+    rows: Vec<u32>,
+    /// Kept as well, since they lie far apart in the columns.
+    ids: Vec<BodyId>,
+}
+
+impl Sorted {
+    fn memory(&self) -> usize {
+        self.rows.capacity() * size_of::<u32>() + self.ids.capacity() * size_of::<BodyId>()
+    }
+}
+
 impl World {
     /// The threads that the world steps with. What else is given to them is done where a step leaves them without work.
     pub fn threads(&self) -> Arc<rayon::ThreadPool> {
@@ -22,25 +36,26 @@ impl World {
         &self.report
     }
 
-    /// Rows of all bodies, sorted by id.
-    fn sorted(&self) -> &[u32] {
+    /// All bodies, sorted by id.
+    fn sorted(&self) -> &Sorted {
         self.sorted.get_or_init(|| {
             let alive = |row: &u32| self.bodies.states[*row as usize] != State::Dead;
             let mut rows: Vec<u32> = (1..self.bodies.rows() as u32).filter(alive).collect();
             self.pool.install(|| rows.par_sort_unstable_by_key(|&row| self.bodies.ids[row as usize]));
-            rows
+            let ids = rows.iter().map(|&row| BodyId(self.bodies.ids[row as usize])).collect();
+            Sorted { rows, ids }
         })
     }
 
     /// Rows that follow each other by id lie far apart in memory: a walk over them waits for memory most of the time, so all threads share it.
     fn by_id<T: Send>(&self, read: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
-        let rows = self.sorted();
+        let rows = &self.sorted().rows;
         self.pool.install(|| rows.par_iter().with_min_len(1024).map(|&row| read(row as usize)).collect())
     }
 
     /// Ids of all bodies, ascending; the order of [`World::poses`] and the other readers in that order.
     pub fn ids(&self) -> Vec<BodyId> {
-        self.by_id(|row| BodyId(self.bodies.ids[row]))
+        self.sorted().ids.clone()
     }
 
     /// Poses of the bodies' shape frames, in the order of [`World::ids`].
@@ -51,7 +66,7 @@ impl World {
     /// [`World::poses`] in single precision, written into arrays that are there: metres from `origin`, x, y, z of each body, and x, y, z, w of its
     /// rotation. What has no room is left out.
     pub fn single_poses(&self, origin: DVec3, positions: &mut [f32], rotations: &mut [f32]) {
-        let rows = self.sorted();
+        let rows = &self.sorted().rows;
         let places = positions.as_chunks_mut::<3>().0.par_iter_mut().zip(rotations.as_chunks_mut::<4>().0);
         self.pool.install(|| {
             places.zip(rows).with_min_len(1024).for_each(|((position, rotation), &row)| {
@@ -145,7 +160,7 @@ impl World {
     /// Bodies whose state was not finite; they stay where they were. In ascending order.
     pub fn frozen(&self) -> Vec<BodyId> {
         let frozen = |row: &&u32| self.bodies.states[**row as usize] == State::Frozen;
-        self.sorted().iter().filter(frozen).map(|&row| BodyId(self.bodies.ids[row as usize])).collect()
+        self.sorted().rows.iter().filter(frozen).map(|&row| BodyId(self.bodies.ids[row as usize])).collect()
     }
 
     /// The contacts of the last step, those within the speculative margin included, in the order of the rows of their
@@ -163,6 +178,8 @@ impl World {
             // Bodies have moved since the contact was found; the arms are those of the start of the step.
             let row = row_of(a);
             let start = self.bodies.positions[row] - self.bodies.drifts[row].translation().as_dvec3();
+            let pressed = memory.normals.iter().take(m.count as usize).sum::<f32>();
+            let share = move |impulse: f32| if pressed > 0.0 { impulse / pressed } else { 0.0 };
             (0..m.count as usize).map(move |p| Contact {
                 a: id(a),
                 b: id(b),
@@ -170,12 +187,15 @@ impl World {
                 normal: m.normal,
                 distance: m.distances[p],
                 impulse: memory.normals[p],
+                friction: memory.friction * share(memory.normals[p]),
             })
         })
     }
 
     /// A hash of the id, pose and velocity of every body: equal for equal states, whatever the number of threads
-    /// or lanes and the order in which bodies were added.
+    /// or lanes and the order in which bodies were added. It is the sum, modulo 2⁶⁴, over all bodies of the XXH3 (64 bits, without a seed) of 72 bytes
+    /// each: the id, the centre of mass x, y, z in double precision, the rotation x, y, z, w, the linear and the angular velocity in
+    /// single precision, lowest byte first.
     pub fn hash(&self) -> u64 {
         self.pool.install(|| measure::hash(&self.bodies))
     }
@@ -191,6 +211,7 @@ impl World {
             + self.starts.capacity() * size_of::<Quat>()
             + self.late.get().map_or(0, Late::memory)
             + (self.rows.capacity() + self.vacant.capacity()) * size_of::<u32>()
+            + self.sorted.get().map_or(0, Sorted::memory)
             + self.slots.memory()
     }
 }
