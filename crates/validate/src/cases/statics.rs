@@ -1,0 +1,28 @@
+//! What stands, leans and rests.
+
+mod balls;
+mod belt;
+mod cards;
+mod column;
+mod cylinders;
+mod ladder;
+mod overhang;
+mod tipping;
+mod tower;
+
+use crate::case::Case;
+
+pub(super) const CASES: [Case; 9] = [
+    overhang::CASE,
+    cylinders::CASE,
+    ladder::CASE,
+    cards::CASE,
+    tipping::CASE,
+    tower::CASE,
+    column::CASE,
+    balls::CASE,
+    belt::CASE,
+];
+
+/// Name of the group.
+const GROUP: &str = "statics";
