@@ -347,7 +347,11 @@ fn validation_tells_what_it_finds_and_fails_where_the_default_solver_does() {
     let place = place();
     let passed = place.rockfall("validate --only stiction --solver soft-step --report page.html");
     expect(&passed, 0);
-    assert!(out(&passed).contains("normal force") && out(&passed).contains("1 of 1 cases pass"), "{}", out(&passed));
+    assert!(
+        out(&passed).contains("normal force") && out(&passed).contains("1 of 1 cases pass"),
+        "{}",
+        out(&passed)
+    );
     let page = std::fs::read_to_string(place.path("page.html")).expect("a page");
     assert!(page.contains("A box is pushed and stays"));
     let failed = place.rockfall("validate --only bullets,stiction --json");

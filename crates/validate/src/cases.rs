@@ -1,7 +1,9 @@
 //! All cases. A new one is a file with a `CASE`, or several `CASES` of one kind, and its line in its group.
 
+mod consistency;
 mod flight;
 mod friction;
+mod grains;
 mod impact;
 mod simbenchmark;
 mod statics;
@@ -11,8 +13,15 @@ use crate::case::Case;
 
 /// All cases, in the order of the report.
 pub fn cases() -> Vec<Case> {
-    let groups: [&[Case]; 5] =
-        [&simbenchmark::CASES, &flight::CASES, &friction::CASES, &impact::CASES, &statics::CASES];
+    let groups: [&[Case]; 7] = [
+        &simbenchmark::CASES,
+        &flight::CASES,
+        &friction::CASES,
+        &impact::CASES,
+        &statics::CASES,
+        &grains::CASES,
+        &consistency::CASES,
+    ];
     groups.concat()
 }
 
