@@ -1,5 +1,7 @@
 //! The engines, behind one face: what a case asks of them.
 
+#[cfg(feature = "peers")]
+mod rapier;
 mod rockfall;
 
 use crate::Error;
@@ -17,20 +19,33 @@ pub enum EngineName {
     Impulse,
     /// Rockfall's solver that mirrors velocities.
     Reflect,
+    /// Rapier, where it is built: the feature `peers`.
+    Rapier,
 }
 
-/// Rockfall's solvers, all three.
-pub(crate) const ALL: &[EngineName] = &[EngineName::SoftStep, EngineName::Impulse, EngineName::Reflect];
+/// Rockfall's three solvers, and peers.
+pub(crate) const ALL: &[EngineName] = &EngineName::ALL;
 
 /// Those that know friction and restitution: `reflect` knows neither.
-pub(crate) const WITH_FRICTION: &[EngineName] = &[EngineName::SoftStep, EngineName::Impulse];
+pub(crate) const WITH_FRICTION: &[EngineName] =
+    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier];
 
-/// The default solver alone: the other two don't claim what the case is about.
+/// Those with Coulomb's law in impacts: `impulse` has another one.
+pub(crate) const WITH_COULOMB: &[EngineName] = &[EngineName::SoftStep, EngineName::Rapier];
+
+/// The default solver alone: the others don't claim what the case is about, or don't tell their forces.
 pub(crate) const DEFAULT: &[EngineName] = &[EngineName::SoftStep];
 
 impl EngineName {
     /// All.
-    pub const ALL: [EngineName; 3] = [EngineName::SoftStep, EngineName::Impulse, EngineName::Reflect];
+    pub const ALL: [EngineName; 4] =
+        [EngineName::SoftStep, EngineName::Impulse, EngineName::Reflect, EngineName::Rapier];
+
+    /// Those that this build has.
+    pub fn built() -> Vec<EngineName> {
+        let has = |name: &EngineName| *name != EngineName::Rapier || cfg!(feature = "peers");
+        EngineName::ALL.into_iter().filter(has).collect()
+    }
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -38,6 +53,7 @@ impl EngineName {
             EngineName::SoftStep => "soft-step",
             EngineName::Impulse => "impulse",
             EngineName::Reflect => "reflect",
+            EngineName::Rapier => "rapier",
         }
     }
 
@@ -47,6 +63,10 @@ impl EngineName {
             EngineName::SoftStep => Solver::SoftStep,
             EngineName::Impulse => Solver::Impulse,
             EngineName::Reflect => Solver::Reflect,
+            #[cfg(feature = "peers")]
+            EngineName::Rapier => return Ok(Box::new(rapier::Rapier::new(terms))),
+            #[cfg(not(feature = "peers"))]
+            EngineName::Rapier => return Err(Error::NotBuilt(self.name())),
         };
         Ok(Box::new(rockfall::Rockfall::new(solver, terms)?))
     }

@@ -31,6 +31,17 @@ pub enum Error {
     /// A shape of the case makes no sense.
     #[error("{0}")]
     Shape(#[from] rockfall::shape::ShapeError),
+    /// A peer lacks a shape of the case.
+    #[error("{engine} has no {shape}")]
+    NoShape {
+        /// Which engine.
+        engine: &'static str,
+        /// Kind of shape.
+        shape: &'static str,
+    },
+    /// A peer is not in this build.
+    #[error("this build has no {0}; build it with the cargo feature `peers`")]
+    NotBuilt(&'static str),
     /// There is no case of that name.
     #[error("there is no case and no group `{name}`; expected one of {known}")]
     NoCase {

@@ -21,7 +21,7 @@ pub struct Choice {
 
 impl Default for Choice {
     fn default() -> Self {
-        Choice { only: Vec::new(), quick: false, engines: EngineName::ALL.to_vec() }
+        Choice { only: Vec::new(), quick: false, engines: EngineName::built() }
     }
 }
 

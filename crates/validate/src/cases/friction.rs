@@ -3,6 +3,7 @@
 mod angular;
 mod block;
 mod directions;
+mod edges;
 mod painleve;
 mod rolling;
 mod round;
@@ -12,7 +13,7 @@ mod travel;
 
 use crate::case::Case;
 
-pub(super) const CASES: [Case; 9] = [
+pub(super) const CASES: [Case; 10] = [
     block::CASE,
     round::CASE,
     rolling::CASE,
@@ -22,6 +23,7 @@ pub(super) const CASES: [Case; 9] = [
     stiction::CASE,
     stand::CASE,
     painleve::CASE,
+    edges::CASE,
 ];
 
 /// Name of the group.

@@ -1,6 +1,7 @@
-//! Very many balls: heaps, silos, hoppers. Lengths are in diameters of 1 m, so that contacts, which give by a length that does not know sizes, are
+//! Very many bodies: heaps, silos, hoppers. Lengths of balls are in diameters of 1 m, so that contacts, which give by a length that does not know sizes, are
 //! hard beside them.
 
+mod boxes;
 mod heap;
 mod hopper;
 mod janssen;
@@ -9,7 +10,7 @@ mod pressure;
 
 use crate::case::Case;
 
-pub(super) const CASES: [Case; 4] = [pressure::CASE, janssen::CASE, hopper::CASE, packing::CASE];
+pub(super) const CASES: [Case; 5] = [boxes::CASE, pressure::CASE, janssen::CASE, hopper::CASE, packing::CASE];
 
 /// Name of the group.
 const GROUP: &str = "grains";

@@ -5,6 +5,7 @@ mod bouncing;
 mod elastic;
 mod pile;
 mod rolling;
+mod sweep;
 
 use crate::case::Case;
 

@@ -7,12 +7,13 @@ mod column;
 mod cylinders;
 mod ladder;
 mod overhang;
+mod pyramid;
 mod tipping;
 mod tower;
 
 use crate::case::Case;
 
-pub(super) const CASES: [Case; 9] = [
+pub(super) const CASES: [Case; 10] = [
     overhang::CASE,
     cylinders::CASE,
     ladder::CASE,
@@ -20,6 +21,7 @@ pub(super) const CASES: [Case; 9] = [
     tipping::CASE,
     tower::CASE,
     column::CASE,
+    pyramid::CASE,
     balls::CASE,
     belt::CASE,
 ];

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::engine::{Surface, Terms, Thing};
 use crate::stage::{Numbers, Rig, Stage, ball};
-use rockfall::math::{DVec3, Vec3};
+use rockfall::math::{DVec3, Pose, Vec3};
 use std::collections::BTreeMap;
 
 /// Radius, m.
@@ -31,32 +31,35 @@ pub(super) fn walls(
     Ok((stage, walls))
 }
 
-/// Pours `count` balls into a box from `base` up: a loose lattice, each ball moved at random, in which they fall together.
+/// Pours `count` things, `size` metres large, into a box from `base` up: a loose lattice, each moved at random, in which they fall together.
 pub(super) fn pour(
     stage: &mut Stage,
     width: f64,
     base: f64,
     count: usize,
-    surface: Surface,
+    thing: &Thing,
+    size: f64,
     seed: u64,
 ) -> Result<Vec<usize>, Error> {
     let mut random = Numbers(seed);
-    let across = (width / 1.12).floor() as usize;
+    let across = (width / (1.12 * size)).floor() as usize;
     let pitch = width / across as f64;
-    let room = pitch - 2.0 * R;
-    let place = |i: usize, random: &mut Numbers| {
+    let room = pitch - size;
+    let mut ids = Vec::with_capacity(count);
+    for i in 0..count {
         let cell =
             DVec3::new((i % across) as f64, (i / across % across) as f64, (i / across / across) as f64);
         let middle = DVec3::new(-0.5 * width, -0.5 * width, base) + (cell + 0.5) * pitch;
-        middle + (random.vector() - 0.5) * (0.9 * room)
-    };
-    let mut ids = Vec::with_capacity(count);
-    for i in 0..count {
-        let position = place(i, &mut random);
+        let position = middle + (random.vector() - 0.5) * (0.9 * room);
         let velocity = (random.vector() * 2.0 - 1.0).as_vec3() * 0.5;
-        ids.push(stage.put(&Thing::new(ball(R as f32), surface, position).moving(velocity, Vec3::ZERO))?);
+        ids.push(stage.put(&thing.clone().pose(Pose::at(position)).moving(velocity, Vec3::ZERO))?);
     }
     Ok(ids)
+}
+
+/// A ball of 1 m.
+pub(super) fn grain(surface: Surface) -> Thing {
+    Thing::new(ball(R as f32), surface, DVec3::ZERO)
 }
 
 /// Steps until all of the balls are slow, for `most` seconds at the longest. Returns the mean kinetic energy of a ball over m g R, which says

@@ -38,7 +38,7 @@ fn flow(rig: &Rig, diameter: f64) -> Result<f64, Error> {
     )
     .driven();
     let lid = stage.put(&lid)?;
-    let ids = heap::pour(&mut stage, width, 0.0, 5000, rough, 3)?;
+    let ids = heap::pour(&mut stage, width, 0.0, 5000, &heap::grain(rough), 2.0 * heap::R, 3)?;
     heap::settle(&mut stage, &ids, 8.0)?;
     stage.set_velocity(lid, Vec3::Z * -60.0, Vec3::ZERO)?;
     let out = |stage: &crate::stage::Stage| {

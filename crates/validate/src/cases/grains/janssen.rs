@@ -26,7 +26,7 @@ fn fill(rig: &Rig, count: usize) -> Result<(f64, f64), Error> {
     let (mut stage, _) = heap::walls(rig, heap::TERMS, width, rough)?;
     let floor = Thing::new(cuboid(12.0, 12.0, 1.0), rough, DVec3::Z * -0.5).driven();
     let floor = stage.put(&floor)?;
-    let ids = heap::pour(&mut stage, width, 0.0, count, rough, 2)?;
+    let ids = heap::pour(&mut stage, width, 0.0, count, &heap::grain(rough), 2.0 * heap::R, 2)?;
     heap::settle(&mut stage, &ids, 10.0)?;
     stage.set_velocity(floor, Vec3::Z * -0.05, Vec3::ZERO)?;
     stage.seconds(3.0)?;

@@ -26,7 +26,7 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     let smooth = Surface::new(0.0, 0.0);
     let (mut stage, walls) = heap::walls(rig, heap::TERMS, width, smooth)?;
     let floor = stage.plane(Vec3::Z, smooth)?;
-    let ids = heap::pour(&mut stage, width, 0.0, count, smooth, 1)?;
+    let ids = heap::pour(&mut stage, width, 0.0, count, &heap::grain(smooth), 2.0 * heap::R, 1)?;
     let unrest = heap::settle(&mut stage, &ids, 20.0)?;
     let weight = ids.iter().map(|&id| stage.mass(id)).sum::<f64>() * stage.terms.g();
     let steps = stage.terms.steps_in(2.0);

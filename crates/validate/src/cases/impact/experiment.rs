@@ -3,7 +3,7 @@
 use super::GROUP;
 use crate::Error;
 use crate::case::{Case, Source};
-use crate::engine::{DEFAULT, Surface, Terms, Thing};
+use crate::engine::{Surface, Terms, Thing, WITH_COULOMB};
 use crate::finding::{Figure, Findings};
 use crate::stage::{Rig, ball};
 use rockfall::math::{DVec3, Vec3};
@@ -17,7 +17,7 @@ pub(super) const CASE: Case = Case {
          way; below, the tangential elasticity of real balls shows, which it does not have",
     ),
     setup: "Ball of radius 2.5 mm at 3.9 m/s, e = 0.98, μ = 0.092, no gravity, 0.1 ms, restitution from 0.1 m/s on; angles from the normal.",
-    engines: DEFAULT,
+    engines: WITH_COULOMB,
     long: false,
     run,
 };

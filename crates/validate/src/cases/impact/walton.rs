@@ -3,7 +3,7 @@
 use super::GROUP;
 use crate::Error;
 use crate::case::{Case, Source};
-use crate::engine::{DEFAULT, Surface, Terms, Thing};
+use crate::engine::{Surface, Terms, Thing, WITH_COULOMB};
 use crate::finding::Findings;
 use crate::stage::{Rig, ball};
 use rockfall::math::{DVec3, Vec3};
@@ -17,7 +17,7 @@ pub(super) const CASE: Case = Case {
     ),
     setup: "Ball of radius 0.5 m, no gravity, 1 ms; (v_t, v_n, R ω, e, μ) = (3, 4, 0, 0.8, 0.5), which sticks, (6, 2, 0, 0.8, 0.1), which slides, and \
             (0, 4, 5, 0.9, 0.3), which only spins. `impulse` has another law, v_T' = a v_T, and is not asked.",
-    engines: DEFAULT,
+    engines: WITH_COULOMB,
     long: false,
     run,
 };

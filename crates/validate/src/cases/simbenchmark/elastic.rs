@@ -1,11 +1,13 @@
 //! "Elastic 666": the same lattice falls with e = 1: what happens to the energy where many bounce at once?
 
+use super::sweep::{self, Published, step_of};
 use super::{GROUP, pile};
 use crate::Error;
 use crate::case::{Case, Source};
 use crate::engine::{ALL, Surface, Terms};
-use crate::finding::{Figure, Findings};
+use crate::finding::{Figure, Findings, Points};
 use crate::stage::Rig;
+use std::time::Instant;
 
 pub(super) const CASE: Case = Case {
     name: "elastic-pile",
@@ -19,45 +21,64 @@ pub(super) const CASE: Case = Case {
     run,
 };
 
-/// Steps (s) and errors (J²) of RaiSim, ODE, Bullet and DART, in this order.
-const PUBLISHED: [(f64, [f64; 4]); 4] = [
-    (1e-4, [1.1e-3, 1.10, 168.0, 2438.0]),
-    (1e-3, [8.37, 112.3, 4.15e4, 3.47e5]),
-    (4e-3, [264.0, 1.65e3, 8.40e5, 6.62e6]),
-    (1e-2, [5.2e6, 8.6e6, 9.9e6, 1.3e10]),
+/// Step (s), error (J²), processor time (s).
+const PUBLISHED: [Published; 4] = [
+    Published {
+        engine: "RaiSim",
+        rows: &[[1e-4, 1.1e-3, 6.12], [1e-3, 8.37, 0.655], [4e-3, 264.0, 0.181], [1e-2, 5.2e6, 0.070]],
+    },
+    Published {
+        engine: "ODE",
+        rows: &[[1e-4, 1.10, 56.0], [1e-3, 112.3, 5.6], [4e-3, 1.65e3, 1.43], [1e-2, 8.6e6, 0.58]],
+    },
+    Published {
+        engine: "Bullet",
+        rows: &[[1e-4, 168.0, 21.5], [1e-3, 4.15e4, 2.32], [4e-3, 8.40e5, 0.65], [1e-2, 9.9e6, 0.32]],
+    },
+    Published {
+        engine: "DART",
+        rows: &[[1e-4, 2438.0, 141.0], [1e-3, 3.47e5, 8.06], [4e-3, 6.62e6, 1.95], [1e-2, 1.3e10, 0.84]],
+    },
 ];
-const ENGINES: [&str; 4] = ["RaiSim", "ODE", "Bullet", "DART"];
 
 fn run(rig: &Rig) -> Result<Findings, Error> {
     let rates: &[f32] = if rig.quick { &[1e3, 100.0] } else { &[1e4, 1e3, 250.0, 100.0] };
     let mut findings = Findings::default();
-    let mut curve = Vec::new();
+    let (mut curve, mut energies) = (Vec::new(), Vec::new());
     for &rate in rates {
-        let dt = f64::from(1.0 / rate);
-        let terms = Terms { rate, threshold: 0.0, ..Terms::FINE };
-        let mut stage = pile::lattice(rig, terms, Surface::new(0.0, 1.0), 1.101)?;
-        let start = stage.energy()?;
-        let steps = terms.steps_in(10.0);
-        let mut sum = 0.0;
-        for _ in 0..steps {
-            sum += (stage.energy()? - start).powi(2);
-            stage.step()?;
+        let start = Instant::now();
+        let (error, energy) = fall(rig, rate)?;
+        curve.push([f64::from(1.0 / rate), error, start.elapsed().as_secs_f64()]);
+        if rate == 1e3 {
+            energies = energy;
         }
-        let error = sum / steps as f64;
-        curve.push((dt, error));
-        let what = format!("mean square error of the energy at {} ms", 1e3 * f64::from(1e6 / rate) / 1e6);
-        if let Some((_, errors)) = PUBLISHED.iter().find(|(step, _)| (step / dt - 1.0).abs() < 1e-3) {
-            findings
-                .at_most(what, "J²", error, errors[0], "RaiSim's, the best of the four")
-                .beside(&std::array::from_fn::<_, 4, _>(|i| (ENGINES[i], errors[i])));
-        }
+        let others = sweep::at(&PUBLISHED, rate);
+        let what = format!("mean square error of the energy at {}", step_of(rate));
+        findings.at_most(what, "J²", error, others[0].1, "RaiSim's, the best of the four").beside(&others);
     }
-    let mut figure =
-        Figure::logarithmic("Error against step", "step, s", "mean square error of the energy, J²");
-    figure = figure.ours("", curve);
-    for (i, engine) in ENGINES.iter().enumerate() {
-        figure = figure.published(engine, PUBLISHED.map(|(step, errors)| (step, errors[i])));
-    }
-    findings.draw(figure);
+    sweep::draw(&mut findings, "mean square error of the energy, J²", &curve, &PUBLISHED, None);
+    findings.draw(
+        Figure::linear("Energy at 1 ms", "time, s", "share of the start")
+            .ours("", energies)
+            .expected("kept", [(0.0, 1.0), (10.0, 1.0)]),
+    );
     Ok(findings)
+}
+
+/// The mean square error of the energy, J², and the energy over time, relative to the start.
+fn fall(rig: &Rig, rate: f32) -> Result<(f64, Points), Error> {
+    let terms = Terms { rate, threshold: 0.0, ..Terms::FINE };
+    let mut stage = pile::lattice(rig, terms, Surface::new(0.0, 1.0), 1.101)?;
+    let start = stage.energy()?;
+    let steps = terms.steps_in(10.0);
+    let (mut sum, mut curve) = (0.0, Vec::new());
+    for step in 0..steps {
+        let energy = stage.energy()?;
+        sum += (energy - start).powi(2);
+        if step % (steps / 200).max(1) == 0 {
+            curve.push((stage.time(), energy / start));
+        }
+        stage.step()?;
+    }
+    Ok((sum / steps as f64, curve))
 }
