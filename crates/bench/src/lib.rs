@@ -15,7 +15,6 @@ mod motion;
 mod neighbours;
 mod options;
 mod page;
-mod plot;
 mod process;
 mod quality;
 mod roofline;

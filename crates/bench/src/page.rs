@@ -2,8 +2,8 @@
 
 use crate::bandwidth::Bandwidth;
 use crate::compare::Line;
-use crate::plot::{self, Curve, escape};
 use crate::{process, roofline, table};
+use rockfall_plot::{self as plot, Curve, Scale, Side, escape};
 
 const HEAD: &str = "<!doctype html>
 <html lang=\"en\">
@@ -37,12 +37,12 @@ pub(crate) fn html(roofs: &[Bandwidth], lines: &[Line], repeats: u32) -> String 
         format!("{HEAD}<p>{machine}, medians of {repeats} runs. Settled times unless said otherwise.</p>\n");
     for scene in distinct(lines, |line| line.scene) {
         let of_scene: Vec<&Line> = lines.iter().filter(|line| line.scene == scene).collect();
-        let picture = plot::log_log("bodies", "µs per body and step", &curves(&of_scene));
+        let picture = log_log("bodies", "µs per body and step", &curves(&of_scene));
         text += &format!("<figure><figcaption>{}</figcaption>\n{picture}</figure>\n", escape(scene));
     }
     let under = under_the_roof(lines);
     if !under.is_empty() {
-        let picture = plot::log_log("ms for a streaming read of as many bytes", "ms per step", &under);
+        let picture = log_log("ms for a streaming read of as many bytes", "ms per step", &under);
         text += &format!(
             "<figure><figcaption>Beside memory: a step (top), its stage solve (bottom), a streaming read (line)</figcaption>\n{picture}</figure>\n"
         );
@@ -55,6 +55,12 @@ pub(crate) fn html(roofs: &[Bandwidth], lines: &[Line], repeats: u32) -> String 
         text += &table_of(&roofline::COLUMNS, read);
     }
     text + "</html>\n"
+}
+
+/// Curves on logarithmic axes.
+fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
+    let side = |name| Side { name, scale: Scale::Logarithmic };
+    plot::picture(side(across), side(up), curves)
 }
 
 /// A table of columns, with their names and whether they are of numbers.

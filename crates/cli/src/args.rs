@@ -32,6 +32,8 @@ pub(crate) enum Verb {
     Diff(DiffArgs),
     /// Write a run as files that other programs open.
     Export(ExportArgs),
+    /// Drive the solvers through cases with known answers, and say how far off they are.
+    Validate(ValidateArgs),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -184,6 +186,29 @@ pub(crate) struct ExportArgs {
     /// Print errors only.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// `rockfall validate`.
+#[derive(Debug, Args)]
+pub(crate) struct ValidateArgs {
+    /// Cases and groups of cases by name, such as rolling-y,friction [default: all].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(crate) only: Vec<String>,
+    /// Fewer steps and bodies, and no long cases.
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Solvers [default: all].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(crate) solver: Vec<SolverName>,
+    /// Write a page with all figures and pictures.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) report: Option<PathBuf>,
+    /// Print JSON, with all curves, in place of the table.
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Say what cases there are, and where each is from.
+    #[arg(long, conflicts_with_all = ["report", "json"])]
+    pub(crate) list: bool,
 }
 
 /// The formats of exports by name.

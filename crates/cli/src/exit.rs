@@ -21,7 +21,7 @@ pub(crate) enum Failure {
         /// What came out.
         found: u64,
     },
-    /// Two runs differ; that has been said.
+    /// Two runs differ, or a result is not the known one; that has been said.
     Different,
     /// Somebody stopped the run; what it had done is on disk.
     Interrupted,

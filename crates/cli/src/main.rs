@@ -1,6 +1,6 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`validate`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -19,6 +19,7 @@ mod say;
 mod stop;
 mod summary;
 mod units;
+mod validate;
 mod verify;
 
 use args::{Cli, Verb};
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Verb::Verify(args) => verify::verify(&args),
         Verb::Diff(args) => diff::diff(&args),
         Verb::Export(args) => export::export(&args),
+        Verb::Validate(args) => validate::validate(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

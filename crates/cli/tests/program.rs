@@ -336,3 +336,27 @@ fn the_bench_finds_its_children_behind_the_verb() {
         assert!(place.path("result").join(name).is_file(), "{name}");
     }
 }
+
+#[test]
+fn validation_tells_what_it_finds_and_fails_where_the_default_solver_does() {
+    let place = place();
+    let passed = place.rockfall("validate --only stiction --solver soft-step --report page.html");
+    expect(&passed, 0);
+    assert!(
+        out(&passed).contains("normal force") && out(&passed).contains("1 of 1 cases pass"),
+        "{}",
+        out(&passed)
+    );
+    let page = std::fs::read_to_string(place.path("page.html")).expect("a page");
+    assert!(page.contains("A box is pushed and stays"));
+    let failed = place.rockfall("validate --only bullets,stiction --json");
+    expect(&failed, 4);
+    let report: serde_json::Value = serde_json::from_str(&out(&failed)).expect("JSON");
+    assert_eq!(report["outcomes"].as_array().map(Vec::len), Some(4), "two cases, two solvers");
+    let unknown = place.rockfall("validate --only nonsense");
+    expect(&unknown, 2);
+    assert!(error(&unknown).contains("there is no case and no group `nonsense`"), "{}", error(&unknown));
+    let list = place.rockfall("validate --list --only friction");
+    expect(&list, 0);
+    assert!(out(&list).starts_with("block-on-slope  A block on a slope\n"), "{}", out(&list));
+}

@@ -1,17 +1,36 @@
-//! Curves on logarithmic axes, as SVG text.
+//! Curves as SVG text, for pages that need nothing else: the bench's and those of the validation.
 
+#![forbid(unsafe_code)]
+
+mod axis;
+
+pub use axis::Scale;
+
+use axis::{Axis, label};
 use std::fmt::Write;
 
 /// A named curve.
-pub(crate) struct Curve {
-    pub(crate) name: String,
-    /// Points with positive coordinates; others are left out.
-    pub(crate) points: Vec<(f64, f64)>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// In the legend.
+    pub name: String,
+    /// Points; those that have no place on the axes are left out.
+    pub points: Vec<(f64, f64)>,
     /// Into a palette of eight colours, over and over.
-    pub(crate) colour: usize,
-    pub(crate) dashed: bool,
+    pub colour: usize,
+    /// Whether the line is dashed.
+    pub dashed: bool,
     /// Whether each point has a dot.
-    pub(crate) dots: bool,
+    pub dots: bool,
+}
+
+/// One side of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side<'a> {
+    /// What is along it, with its unit.
+    pub name: &'a str,
+    /// How values lie on it.
+    pub scale: Scale,
 }
 
 /// Colours that most people can tell apart (Okabe and Ito 2008); their black is that of the text, which is light on dark pages.
@@ -21,7 +40,7 @@ const COLOURS: [&str; 8] =
 const TEXT: &str = "currentColor";
 
 /// The number of the colour that the text has.
-pub(crate) const OF_TEXT: usize = 6;
+pub const OF_TEXT: usize = 6;
 
 /// Sizes in pixels: of the picture where its legend is not longer, and of what is around the frame with the curves.
 const WIDTH: f64 = 640.0;
@@ -36,11 +55,11 @@ const SAMPLE: f64 = 42.0;
 const LETTER: f64 = 6.6;
 
 /// One picture with its legend.
-pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
-    let shown = |&(x, y): &(f64, f64)| [x, y].iter().all(|v| v.is_finite() && *v > 0.0);
+pub fn picture(across: Side<'_>, up: Side<'_>, curves: &[Curve]) -> String {
+    let shown = |&(x, y): &(f64, f64)| across.scale.shows(x) && up.scale.shows(y);
     let points = || curves.iter().flat_map(|curve| &curve.points).copied().filter(shown);
-    let horizontal = Axis::around(points().map(|p| p.0), LEFT, WIDTH - RIGHT);
-    let vertical = Axis::around(points().map(|p| p.1), HEIGHT - BOTTOM, TOP);
+    let horizontal = Axis::around(across.scale, points().map(|p| p.0), LEFT, WIDTH - RIGHT);
+    let vertical = Axis::around(up.scale, points().map(|p| p.1), HEIGHT - BOTTOM, TOP);
     let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
 
     // Writing to a string can't fail.
@@ -51,13 +70,23 @@ pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
     for tick in horizontal.ticks() {
         let x = horizontal.place(tick);
         let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/>");
-        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\" class=\"middle\">{tick}</text>", bottom + 18.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{x:.1}\" y=\"{:.1}\" class=\"middle\">{}</text>",
+            bottom + 18.0,
+            label(tick)
+        );
     }
     for tick in vertical.ticks() {
         let y = vertical.place(tick);
         let _ = writeln!(svg, "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/>");
-        let _ =
-            writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\" class=\"end\">{tick}</text>", LEFT - 8.0, y + 4.0);
+        let _ = writeln!(
+            svg,
+            "<text x=\"{:.1}\" y=\"{:.1}\" class=\"end\">{}</text>",
+            LEFT - 8.0,
+            y + 4.0,
+            label(tick)
+        );
     }
     let _ = writeln!(
         svg,
@@ -65,9 +94,9 @@ pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
          <text transform=\"translate(16 {:.1}) rotate(-90)\" class=\"middle\">{}</text>",
         0.5 * (LEFT + right),
         HEIGHT - 8.0,
-        escape(across),
+        escape(across.name),
         0.5 * (TOP + bottom),
-        escape(up)
+        escape(up.name)
     );
     for (number, curve) in curves.iter().enumerate() {
         let colour = COLOURS[curve.colour % COLOURS.len()];
@@ -89,43 +118,8 @@ pub(crate) fn log_log(across: &str, up: &str, curves: &[Curve]) -> String {
     svg + "</svg>\n"
 }
 
-/// A logarithmic scale.
-struct Axis {
-    /// The ends, values.
-    low: f64,
-    high: f64,
-    /// Where the ends are, pixels.
-    from: f64,
-    to: f64,
-}
-
-impl Axis {
-    /// With all these positive values inside, and at least an octave long.
-    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Axis {
-        let (least, most) = values.fold((f64::INFINITY, 0.0f64), |(l, m), v| (l.min(v), m.max(v)));
-        let (least, most) = if least <= most { (least, most) } else { (1.0, 1.0) };
-        Axis { low: least / 1.5, high: most * 1.5, from, to }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        let share = (value / self.low).ln() / (self.high / self.low).ln();
-        self.from + share * (self.to - self.from)
-    }
-
-    /// The 1, 2 and 5 of each power of ten that are on the axis; only the 1 where there would be too many.
-    fn ticks(&self) -> Vec<f64> {
-        let powers =
-            || (self.low.log10().floor() as i32..=self.high.log10().ceil() as i32).map(|n| 10f64.powi(n));
-        let steps: &[f64] = if self.high / self.low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
-        let all = powers().flat_map(|power| steps.iter().map(move |step| step * power));
-        // Rounded, so that they print as people write them.
-        let clean = |v: f64| format!("{v:.6e}").parse().unwrap_or(v);
-        all.map(clean).filter(|v| (self.low..=self.high).contains(v)).collect()
-    }
-}
-
 /// Text that may stand in HTML and SVG.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
@@ -137,27 +131,13 @@ mod tests {
         Curve { name: "a<b".to_owned(), points: points.to_vec(), colour: 0, dashed: false, dots: true }
     }
 
-    #[test]
-    fn equal_ratios_are_equal_lengths() {
-        let axis = Axis::around([10.0, 1000.0].into_iter(), 0.0, 100.0);
-        let [a, b, c] = [10.0, 100.0, 1000.0].map(|v| axis.place(v));
-        assert!(((b - a) - (c - b)).abs() < 1e-9 && 0.0 < a && c < 100.0);
-    }
-
-    #[test]
-    fn ticks_are_round_and_on_the_axis() {
-        let ticks = |values: &[f64]| Axis::around(values.iter().copied(), 0.0, 1.0).ticks();
-        assert_eq!(ticks(&[0.03, 0.3]), [0.02, 0.05, 0.1, 0.2]);
-        assert_eq!(ticks(&[300.0]), [200.0]);
-        assert_eq!(ticks(&[2.0, 1e6]), [10.0, 100.0, 1e3, 1e4, 1e5, 1e6]);
-        assert_eq!(ticks(&[]), [1.0]);
-    }
+    const LOGARITHMIC: Side<'_> = Side { name: "n", scale: Scale::Logarithmic };
 
     #[test]
     fn a_large_legend_makes_the_picture_larger() {
         let size = |curves: usize, letters: usize| {
             let one = |_| Curve { name: "a".repeat(letters), ..curve(&[(1.0, 1.0)]) };
-            let svg = log_log("n", "µs", &(0..curves).map(one).collect::<Vec<_>>());
+            let svg = picture(LOGARITHMIC, LOGARITHMIC, &(0..curves).map(one).collect::<Vec<_>>());
             let mut numbers = svg.split('"').nth(1).expect("a box").split(' ').skip(2);
             [(); 2].map(|()| numbers.next().expect("a size").parse::<f64>().expect("a number"))
         };
@@ -173,7 +153,11 @@ mod tests {
 
     #[test]
     fn a_curve_goes_from_left_to_right_and_leaves_out_what_has_no_place() {
-        let svg = log_log("n", "µs", &[curve(&[(100.0, 2.0), (10.0, 1.0), (50.0, f64::NAN), (0.0, 1.0)])]);
+        let svg = picture(
+            LOGARITHMIC,
+            LOGARITHMIC,
+            &[curve(&[(100.0, 2.0), (10.0, 1.0), (50.0, f64::NAN), (0.0, 1.0)])],
+        );
         assert_eq!(svg.matches("<circle").count(), 2);
         let line = svg.split("points=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a line");
         let xs: Vec<f64> =

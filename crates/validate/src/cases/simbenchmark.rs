@@ -1,0 +1,16 @@
+//! SimBenchmark of ETH Zürich (Kang and Hwangbo 2018), which compares RaiSim, Bullet, ODE, MuJoCo and DART. Published figures are the
+//! rows of its data files with default solvers and without position correction ("erp0"), on an i7-7700HQ.
+
+mod bouncing;
+mod elastic;
+mod pile;
+mod rolling;
+mod sweep;
+
+use crate::case::Case;
+
+pub(super) const CASES: [Case; 5] =
+    [rolling::CASES[0], rolling::CASES[1], bouncing::CASE, pile::CASE, elastic::CASE];
+
+/// Name of the group.
+const GROUP: &str = "simbenchmark";
