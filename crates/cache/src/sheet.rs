@@ -438,9 +438,7 @@ mod tests {
             writer.push(rows, &vec![7; 4 * rows as usize], &store).unwrap();
             writer.flush(&store).unwrap();
             writer.announce(&store).unwrap();
-            let files =
-                ["x/c.0", "x/zarr.json"].map(|name| fs::remove_file(folder.path().join(name)).is_ok());
-            files
+            ["x/c.0", "x/zarr.json"].map(|name| fs::remove_file(folder.path().join(name)).is_ok())
         };
         assert_eq!(write(0), [false, true]);
         assert_eq!(write(0), [false, false]);

@@ -230,8 +230,8 @@ fn write_run(path: &Path) {
     };
     let contents = Contents {
         velocities: true,
-        contacts: Some(WantedContacts { every: 1, force: 0.0 }),
-        events: Some(WantedEvents::All),
+        contacts: Some(WantedContacts { every: 1, force: 0.0, friction: true }),
+        events: Some(WantedEvents { sensors: true, touches: true, hits: Some(1.0) }),
         columns: vec![column],
         ..Contents::default()
     };
@@ -252,8 +252,9 @@ fn write_run(path: &Path) {
                     normals: vec![[1.0, 0.0, 0.0]],
                     distances: vec![-0.5],
                     forces: vec![2.0],
+                    frictions: vec![[0.0, 1.0, 0.0]],
                 },
-                events: vec![Event { kind: EventKind::Begun, a: 0, b: 1 }],
+                events: vec![Event { kind: EventKind::Hit, a: 0, b: 1, impulse: 3.0 }],
                 columns: vec![Values::U32(vec![frame; 3])],
                 ..Frame::default()
             })
