@@ -86,6 +86,8 @@ fn a_container_is_filled_and_then_opened() {
         (RunReader::open(&place.path("fill")).unwrap(), RunReader::open(&place.path("open")).unwrap());
     let (former, bodies) = (before.bodies().unwrap(), after.bodies().unwrap());
     assert_eq!((former.len(), bodies.len()), (1 + 5 + 128, 5 + 128 + 1));
+    let walls = ["floor", "left", "front", "right", "back"].map(|wall| format!("bin.{wall}"));
+    assert_eq!(former.names[1..6], walls);
     assert_eq!(bodies.ids[..133], former.ids[1..]);
     assert_eq!((bodies.ids[133], bodies.names[133].as_str()), (135, "new"));
     let (end, start) = (before.poses(30).unwrap(), after.poses(0).unwrap());
