@@ -381,7 +381,7 @@ fn a_compound_with_a_surface_is_immovable() {
         (floors()[1].1.clone(), Pose::default()),
     ]));
     let refused = stage.world.spawn(stage.body(shape, Pose::default())).expect_err("it has no inside");
-    assert_eq!(refused.to_string(), "a mesh can't be dynamic, only static or kinematic");
+    assert_eq!(refused.to_string(), "a mesh that is not closed can't be dynamic, only static or kinematic");
     stage.put(Body::fixed(shape, stage.material, Pose::default()));
     let ball = stage.ball(0.2);
     let on_box = stage.put(stage.body(ball, at(0.0, 0.0, 1.3)));

@@ -25,7 +25,7 @@ const BEARING: f32 = 1.5e-3;
 const EQUAL: f32 = 2.5e-4;
 
 /// Appends the manifolds of contacts that are no further apart than `margin`; `measure` is called for those that are left.
-pub(super) fn manifolds(
+pub(crate) fn manifolds(
     contacts: &[Contact],
     margin: f32,
     spacing: f32,

@@ -1,7 +1,7 @@
 //! From the contacts of single triangles to manifolds.
 
 use super::facet::Facet;
-use super::{Probe, Touch};
+use super::{Placed, Probe, Surface, Touch};
 use crate::gjk::{Proximity, proximity};
 use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
@@ -96,6 +96,23 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
 /// Whether A's core overlaps the triangle.
 fn crosses(core: &[Vec3], facet: &Facet) -> bool {
     matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
+}
+
+/// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, if anything else overlaps, places that would push A out on the far side of all of it.
+pub(super) fn drop_passed<S: Surface>(placed: &Placed<S>, probe: &Probe, touches: &mut Vec<Touch>) {
+    let Some(thickness) = placed.surface.thickness() else { return };
+    let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
+    let is_outside = |touch: &Touch| placed.surface.is_outside(placed.back(core(touch)));
+    let is_core = |touch: &Touch| touch.doubtful || probe.radius > 0.0;
+    touches.retain(|touch| !(touch.distance < -probe.radius && is_core(touch) && is_outside(touch)));
+    let far = |touch: &Touch| touch.distance < -thickness - probe.radius;
+    if touches.iter().any(far) {
+        let passed: Vec<bool> = touches.iter().map(|touch| far(touch) && is_outside(touch)).collect();
+        if touches.iter().zip(&passed).any(|(touch, passed)| touch.distance <= 0.0 && !passed) {
+            let mut passed = passed.into_iter();
+            touches.retain(|_| !passed.next().unwrap_or_default());
+        }
+    }
 }
 
 /// Whether another triangle, which A's centre is less behind, pushes the other way: the back of a thin wall does not
