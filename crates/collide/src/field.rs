@@ -24,6 +24,7 @@ mod side;
 mod slide;
 
 use crate::{ContactPoint, Manifold};
+use cluster::BEARING;
 pub(crate) use cluster::manifolds;
 pub(crate) use exact::crossing;
 pub(crate) use gather::{Contact, FACING, within};
@@ -56,7 +57,7 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         if contacts.is_empty() {
             return (least - SLACK * spacing).max(0.0);
         }
-        manifolds(&contacts, margin, spacing, |_, _| (), out);
+        manifolds(&contacts, margin, spacing, BEARING, |_, _| (), out);
         return 0.0;
     }
     let least_a = gather::points_near(&side_a, &side_b, reach, spacing, false, &mut contacts);
@@ -78,6 +79,6 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         point.position += 0.5 * (contact.distance - distance) * out;
         point.distance = distance;
     };
-    manifolds(&contacts, margin, spacing, measure, out);
+    manifolds(&contacts, margin, spacing, BEARING, measure, out);
     0.0
 }

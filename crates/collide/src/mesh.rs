@@ -1,4 +1,4 @@
-//! Contact of a closed mesh with what is not bounded and convex: a half-space, another mesh, a height field.
+//! Contact of a closed mesh with what is not bounded and convex: a half-space, another mesh, a height field, the mesh of a field.
 //!
 //! What flows in: two surfaces, one of them closed, or a closed mesh and a half-space. What flows out: manifolds, as many as there are directions in which they touch.
 //!
@@ -35,27 +35,33 @@ pub(crate) const TILT: f32 = 0.07;
 /// Share of the contact scale up to which what is apart is looked for.
 const ROOM: f32 = 0.5;
 
+/// Corners of a flat side bear load however far it is tilted: a box that rocks would fall on those that are left out.
+const ALL: f32 = f32::MAX;
+
 /// The most of names.
 const NAMES: u64 = (1 << 29) - 1;
 
 /// Whether the pair is one of those that are found here.
 pub(crate) fn takes(a: &Shape, b: &Shape) -> bool {
-    let is_surface = |shape: &Shape| matches!(shape, Shape::Mesh(_) | Shape::HeightField(_));
-    let is_ground = |shape: &Shape| matches!(shape, Shape::HalfSpace { .. }) || is_surface(shape);
+    let is_solid = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.inner_ball.1 > 0.0);
     let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_));
-    is_mesh(a) && is_ground(b) || is_mesh(b) && is_ground(a)
+    // Samples of a field know what an open surface does not: how deep they are.
+    let with = |one: &Shape, other: &Shape| match other {
+        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => is_mesh(one),
+        Shape::Field(_) => is_solid(one),
+        _ => false,
+    };
+    with(a, b) || with(b, a)
 }
 
 /// Appends the manifolds; see [`collide`](crate::collide()). Nothing where no mesh has an inside.
 pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
     match (a, b) {
         (Shape::Mesh(one), Shape::Mesh(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
-        (Shape::Mesh(one), Shape::HeightField(two)) => {
-            surfaces([a, b], &**one, &**two, b_in_a, margin, out)
-        }
-        (Shape::HeightField(one), Shape::Mesh(two)) => {
-            surfaces([a, b], &**one, &**two, b_in_a, margin, out)
-        }
+        (Shape::Mesh(one), Shape::HeightField(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
+        (Shape::HeightField(one), Shape::Mesh(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
+        (Shape::Mesh(one), Shape::Field(two)) => surfaces([a, b], &**one, &**two.mesh(), b_in_a, margin, out),
+        (Shape::Field(one), Shape::Mesh(two)) => surfaces([a, b], &**one.mesh(), &**two, b_in_a, margin, out),
         (Shape::HalfSpace { normal, offset }, Shape::Mesh(mesh)) => {
             half_space(*normal, *offset, mesh, b_in_a, margin, out)
         }
@@ -107,7 +113,7 @@ fn surfaces<A: Surface, B: Surface>(
     } else {
         pair.contacts(&features, &mut contacts);
     }
-    manifolds(&contacts, margin, pair.grain, |_, _| (), out);
+    manifolds(&contacts, margin, pair.grain, ALL, |_, _| (), out);
     0.0
 }
 
@@ -139,7 +145,7 @@ fn half_space(
         }
     }
     let scale = mesh.inner_ball.1.max(0.25 * mesh.bounds.half_extents().length());
-    manifolds(&contacts, margin, GRAIN * scale, |_, _| (), out);
+    manifolds(&contacts, margin, GRAIN * scale, ALL, |_, _| (), out);
     0.0
 }
 

@@ -286,7 +286,11 @@ impl Core {
             Shape::Field(_) | Shape::Mesh(_) if shape.inner_radius() > 0.0 => {
                 (Set::Points([shape.inner_center()].into_iter().collect()), left * shape.inner_radius())
             }
-            Shape::HalfSpace { .. } | Shape::Field(_) | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => {
+            Shape::HalfSpace { .. }
+            | Shape::Field(_)
+            | Shape::Mesh(_)
+            | Shape::HeightField(_)
+            | Shape::Compound(_) => {
                 return None;
             }
         };

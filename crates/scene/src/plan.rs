@@ -129,9 +129,11 @@ pub(crate) fn plan(
         let family = yard.family(table, "shape")?;
         let shape = yard.sized(family, table.int("member") as usize, 1.0, table)?;
         let template = Template::body(table, yard.material(table))?;
-        if let (Kind::Dynamic, Some(why)) = (template.kind, why_immovable(&yard.plan.shapes[shape as usize])) {
+        if let (Kind::Dynamic, Some(why)) = (template.kind, why_immovable(&yard.plan.shapes[shape as usize]))
+        {
             let message = format!("`{}` is dynamic, but its shape is {why}", table.path);
-            return Err(Problem::at(table.span_of("kind"), message).expecting("`static` or `kinematic`, or a closed mesh"));
+            return Err(Problem::at(table.span_of("kind"), message)
+                .expecting("`static` or `kinematic`, or a closed mesh"));
         }
         let template = yard.template(template);
         let pose = body::pose(table)?;
@@ -285,7 +287,8 @@ impl Yard<'_> {
         for name in names {
             let family = self.family_named(&name, table)?;
             if let Some(why) = self.families[&family].iter().find_map(why_immovable) {
-                let message = format!("`{}` makes dynamic bodies, but the shape `{name}` is {why}", table.path);
+                let message =
+                    format!("`{}` makes dynamic bodies, but the shape `{name}` is {why}", table.path);
                 return Err(Problem::at(table.span_of("shape"), message).expecting("a shape with an inside"));
             }
             families.push((family, self.families[&family].len()));

@@ -219,7 +219,9 @@ pub(crate) fn why_immovable(shape: &Shape) -> Option<String> {
         _ if shape.can_move() => None,
         Shape::Compound(compound) => {
             let parts = compound.parts().iter().map(|part| why_immovable(&part.shape));
-            parts.zip(1..).find_map(|(why, number)| Some(format!("a compound whose part {number} is {}", why?)))
+            parts
+                .zip(1..)
+                .find_map(|(why, number)| Some(format!("a compound whose part {number} is {}", why?)))
         }
         Shape::Mesh(mesh) if mesh.closed => Some("a mesh that is inside out".to_owned()),
         Shape::Mesh(mesh) => {

@@ -80,9 +80,8 @@ impl<A: Surface, B: Surface> Two<'_, A, B> {
         if there.distance > self.margin {
             return;
         }
-        let pushes = |normal: Vec3| {
-            corner_pushes(own.surface, triangle, k, own.place.inverse_vector(-normal), TILT)
-        };
+        let pushes =
+            |normal: Vec3| corner_pushes(own.surface, triangle, k, own.place.inverse_vector(-normal), TILT);
         let name = (hash::mix(id) & NAMES) as u32;
         if pushes(there.normal) {
             out.push(Contact::new(of_b, p, there, name));
@@ -165,9 +164,8 @@ impl<S: Surface> Side<'_, S> {
                 let outward = along.cross(normal).normalize_or_zero();
                 outward.dot(own - corners[k]) <= ROUNDING * depth
             });
-            let better = best.is_none_or(|(known, other, _)| {
-                height > known || (height == known && triangle < other)
-            });
+            let better =
+                best.is_none_or(|(known, other, _)| height > known || (height == known && triangle < other));
             let out = self.place.vector(normal);
             if (-depth..=ROUNDING * depth).contains(&height) && is_over && better && pushes(out) {
                 best = Some((height, triangle, out));

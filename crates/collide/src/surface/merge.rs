@@ -13,6 +13,9 @@ const SAME: f32 = 0.999_39;
 /// Share of A's size from which on a depth needs an explanation.
 const DEEP: f32 = 0.004;
 
+/// Overlap with a closed surface, as a share of the radius of the ball inside, beyond which a shorter way out is the right one; what is fast is stopped before.
+const DEEPEST: f32 = 0.25;
+
 /// The contacts that no other triangle explains better.
 pub(super) fn keep(facets: &[Facet], probe: &Probe, touches: &[Touch]) -> Vec<Touch> {
     let mut in_front = None;
@@ -98,20 +101,16 @@ fn crosses(core: &[Vec3], facet: &Facet) -> bool {
     matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
 }
 
-/// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, if anything else overlaps, places that would push A out on the far side of all of it.
+/// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, where anything overlaps less, what would push A out through it: one triangle alone may know no shorter way.
 pub(super) fn drop_passed<S: Surface>(placed: &Placed<S>, probe: &Probe, touches: &mut Vec<Touch>) {
     let Some(thickness) = placed.surface.thickness() else { return };
     let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
     let is_outside = |touch: &Touch| placed.surface.is_outside(placed.back(core(touch)));
     let is_core = |touch: &Touch| touch.doubtful || probe.radius > 0.0;
     touches.retain(|touch| !(touch.distance < -probe.radius && is_core(touch) && is_outside(touch)));
-    let far = |touch: &Touch| touch.distance < -thickness - probe.radius;
-    if touches.iter().any(far) {
-        let passed: Vec<bool> = touches.iter().map(|touch| far(touch) && is_outside(touch)).collect();
-        if touches.iter().zip(&passed).any(|(touch, passed)| touch.distance <= 0.0 && !passed) {
-            let mut passed = passed.into_iter();
-            touches.retain(|_| !passed.next().unwrap_or_default());
-        }
+    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius;
+    if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
+        touches.retain(|touch| !far(touch));
     }
 }
 
