@@ -154,9 +154,9 @@ pub(crate) fn collide(
 ///
 /// | bits | in the cache |
 /// |---|---|
-/// | 0–7 | axis + 1 |
-/// | 8–15 | corners that were kept |
-/// | 16 | the reference face was B's |
+/// | 0–3 | axis + 1 |
+/// | 4–11 | corners that were kept |
+/// | 12 | the reference face was B's |
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Last {
     axis: Option<usize>,
@@ -164,15 +164,16 @@ struct Last {
 }
 
 impl Last {
-    fn of(Cache { word }: Cache) -> Self {
-        let axis = (word & 0xff) as usize;
-        let grip = Grip { on_b: word >> 16 & 1 == 1, corners: (word >> 8) as u8 };
+    fn of(Cache { word, .. }: Cache) -> Self {
+        let axis = (word & 0xf) as usize;
+        let grip = Grip { on_b: word >> 12 & 1 == 1, corners: (word >> 4) as u8 };
         Last { axis: (1..=15).contains(&axis).then(|| axis - 1), grip }
     }
 
     fn cache(self) -> Cache {
         let axis = self.axis.map_or(0, |axis| axis as u32 + 1);
-        Cache { word: axis | u32::from(self.grip.corners) << 8 | u32::from(self.grip.on_b) << 16 }
+        let word = axis | u32::from(self.grip.corners) << 4 | u32::from(self.grip.on_b) << 12;
+        Cache { word, ..Cache::default() }
     }
 }
 

@@ -6,6 +6,7 @@
 //! Parts know nothing of each other. So each contact is named by the numbers of its parts besides its features, and the manifolds of
 //! parts that push the same way in one plane become one (`merge`): a table whose four legs stand on a floor has four points, as a box.
 
+mod memory;
 mod merge;
 mod motion;
 mod query;
@@ -14,6 +15,7 @@ pub(crate) use motion::first_impact;
 pub(crate) use query::{cast_ray, cast_shape, distance, nearest_point, overlaps, penetration};
 
 use crate::{Cache, Manifold};
+use memory::Memory;
 use rockfall_math::{Aabb, Isometry, Mat3, hash};
 use rockfall_shape::{Compound, Shape};
 use smallvec::SmallVec;
@@ -27,36 +29,69 @@ pub(crate) fn takes_part(a: &Shape, b: &Shape) -> bool {
 /// to be further apart need not be looked at again for so long.
 const ROOM: f32 = 0.25;
 
-/// Appends the manifolds of two shapes of which one is a compound; as [`collide`](crate::collide), without a cache: a pair has only one, and
-/// its parts would each need their own.
-pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+/// Appends the manifolds of two shapes of which one is a compound; as [`collide`](crate::collide). The cache of the pair has room for two pairs of parts.
+pub(crate) fn collide(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let first = out.len();
-    let apart = parts(a, b, b_in_a, margin, out);
-    merge::merge(out, first);
+    let mut memory = Memory::new(cache.word);
+    let apart = parts(a, b, b_in_a, margin, 0, &mut memory, out);
+    cache.word = memory.word();
+    merge::merge(out, first, &mut cache.kept);
     apart
 }
 
-/// The manifolds of all parts that come within `margin`.
-fn parts(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+/// The manifolds of all parts that come within `margin`; `tag` names those that have been chosen already.
+fn parts(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Isometry,
+    margin: f32,
+    tag: u32,
+    memory: &mut Memory,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     match (a, b) {
-        (_, Shape::Compound(b)) => with_parts_of_b(a, b, b_in_a, margin, out),
+        (_, Shape::Compound(b)) => with_parts_of_b(a, b, b_in_a, margin, tag, memory, out),
         (Shape::Compound(_), _) => {
             let first = out.len();
-            let apart = parts(b, a, &b_in_a.inverse(), margin, out);
+            let apart = parts(b, a, &b_in_a.inverse(), margin, tag, memory, out);
             out[first..].iter_mut().for_each(|manifold| manifold.swap(b_in_a));
             apart
         }
-        _ => crate::collide(a, b, b_in_a, margin, &mut Cache::default(), out),
+        _ => {
+            let first = out.len();
+            let mut cache = memory.recall(tag);
+            let apart = crate::collide(a, b, b_in_a, margin, &mut cache, out);
+            if out.len() > first {
+                memory.keep(tag, cache);
+            }
+            apart
+        }
     }
 }
 
-fn with_parts_of_b(a: &Shape, b: &Compound, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+fn with_parts_of_b(
+    a: &Shape,
+    b: &Compound,
+    b_in_a: &Isometry,
+    margin: f32,
+    tag: u32,
+    memory: &mut Memory,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let whole = out.len();
     let mut apart = f32::INFINITY;
     let mut meet = |number: u32, out: &mut Vec<Manifold>| {
         let part = &b.parts()[number as usize];
         let first = out.len();
-        let this = parts(a, &part.shape, &b_in_a.then_after(&part.place), margin, out);
+        let place = b_in_a.then_after(&part.place);
+        let this = parts(a, &part.shape, &place, margin, memory::tag(tag, number), memory, out);
         apart = if this < apart { this } else { apart };
         for point in out[first..].iter_mut().flat_map(|m| &mut m.points[..m.count as usize]) {
             point.feature = name(number, point.feature);

@@ -24,7 +24,12 @@ mod side;
 mod slide;
 
 use crate::{ContactPoint, Manifold};
-use gather::Contact;
+use cluster::BEARING;
+pub(crate) use cluster::manifolds;
+pub(crate) use exact::crossing;
+pub(crate) use gather::{Contact, FACING, within};
+pub(crate) use side::Near;
+
 use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 use side::Side;
@@ -52,7 +57,7 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         if contacts.is_empty() {
             return (least - SLACK * spacing).max(0.0);
         }
-        cluster::manifolds(&contacts, margin, spacing, |_, _| (), out);
+        manifolds(&contacts, margin, spacing, BEARING, |_, _| (), out);
         return 0.0;
     }
     let least_a = gather::points_near(&side_a, &side_b, reach, spacing, false, &mut contacts);
@@ -74,6 +79,6 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         point.position += 0.5 * (contact.distance - distance) * out;
         point.distance = distance;
     };
-    cluster::manifolds(&contacts, margin, spacing, measure, out);
+    manifolds(&contacts, margin, spacing, BEARING, measure, out);
     0.0
 }

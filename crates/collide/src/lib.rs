@@ -26,6 +26,7 @@ mod frustum;
 mod gjk;
 mod half_space;
 mod manifold;
+mod mesh;
 mod overlap;
 mod passage;
 mod patch;
@@ -57,7 +58,7 @@ use rockfall_math::Isometry;
 use rockfall_shape::Shape;
 
 /// Appends to `out` the manifolds of two shapes whose points have a signed distance of at most `margin` metres (not
-/// negative): none or one for a convex pair, any number for a convex shape and a surface, for a field and anything else, and where a compound takes part; none for two surfaces.
+/// negative): none or one for a convex pair, any number for a convex shape and a surface, for a field and anything else, where a compound takes part, and for two meshes or a mesh and a height field; for those nothing where none has an inside.
 /// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
@@ -93,7 +94,10 @@ pub fn collide(
         return 0.0;
     }
     match (a, b) {
-        (Shape::Compound(_), _) | (_, Shape::Compound(_)) => compound::collide(a, b, b_in_a, margin, out),
+        (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
+            compound::collide(a, b, b_in_a, margin, cache, out)
+        }
+        _ if mesh::takes(a, b) => mesh::collide(a, b, b_in_a, margin, out),
         (Shape::Field(_), _) | (_, Shape::Field(_)) => field::collide(a, b, b_in_a, margin, out),
         (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
         (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),

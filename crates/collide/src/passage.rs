@@ -13,10 +13,10 @@ use crate::time_of_impact::{Core, Cores, Course, LAYERS, NEAR, Other, SUNK};
 use crate::{Sweep, Toi, compound, time_of_impact};
 use rockfall_shape::Shape;
 
-/// When `a`, which is convex, a compound or a field, has to be stopped so that it does not pass through `b`, which may be of any kind: at the
+/// When `a`, which is convex, a compound, a field or a closed mesh, has to be stopped so that it does not pass through `b`, which may be of any kind: at the
 /// `target_distance` in metres from what it would go through, or on its way into it; none where it does not.
 ///
-/// For meshes, fields and height fields this is [`time_of_impact`]. Of compounds the first part counts. Of a field A it is the ball inside that is stopped.
+/// For meshes, fields and height fields this is [`time_of_impact`]. Of compounds the first part counts. Of a field or a closed mesh A it is the ball inside that is stopped.
 ///
 /// None as well where `a` is none of these, a number is not finite, or one body is in the middle of the other already.
 ///

@@ -53,12 +53,18 @@ pub fn nearest_point(shape: &Shape, p: DVec3, limit: f32) -> Option<Nearest> {
     (near.distance <= limit).then_some(near)
 }
 
+/// Up to that distance from a surface the way to it is rounding, metres.
+fn rounding(p: DVec3) -> f64 {
+    1e-10 * p.abs().max_element()
+}
+
 fn mesh_point(mesh: &Mesh, p: DVec3, limit: f32) -> Option<Nearest> {
     // A point inside may be further from the surface than the limit.
     let within = p.cmpge(mesh.bounds.min.as_dvec3()).all() && p.cmple(mesh.bounds.max.as_dvec3()).all();
     let limit = if mesh.closed && within { f32::INFINITY } else { limit };
     let near = mesh.nearest(p, f64::from(limit))?;
-    let away = if near.distance == 0.0 { near.normal } else { (p - near.point) / near.distance };
+    let is_on = near.distance.abs() <= rounding(p);
+    let away = if is_on { near.normal } else { (p - near.point) / near.distance };
     Some(Nearest { distance: near.distance as f32, point: near.point.as_vec3(), normal: away.as_vec3() })
 }
 
@@ -94,8 +100,11 @@ impl<'a> Search<'a> {
         let (triangle, to, part) = self.nearest?;
         let sign = if inside { -1.0 } else { 1.0 };
         let distance = self.distance();
-        let away =
-            if distance > 0.0 { -to * (sign / distance) } else { pseudonormal(self.surface, triangle, part) };
+        let away = if distance > rounding(self.p) {
+            -to * (sign / distance)
+        } else {
+            pseudonormal(self.surface, triangle, part).normalize_or(DVec3::Z)
+        };
         Some(Nearest {
             distance: (sign * distance) as f32,
             point: (self.p + to).as_vec3(),

@@ -14,6 +14,7 @@
 use crate::feature::corner_bit;
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
+use smallvec::SmallVec;
 
 /// A direction that no edge of a regular shape is parallel to: where to start, given A's frame.
 const START: [Vec3; 2] = [Vec3::new(0.83, 0.47, 0.29), Vec3::new(-0.31, 0.79, -0.53)];
@@ -86,7 +87,9 @@ pub(crate) fn reduce_within(normal: Vec3, points: &[ContactPoint], start: Vec3, 
 pub(crate) fn reduce_polygon(normal: Vec3, points: &[ContactPoint], kept: &mut u8) -> Manifold {
     let mut manifold = Manifold { normal, ..Manifold::default() };
     if (5..=FEW).contains(&points.len()) {
-        manifold.points = best_four(normal, points, *kept).map(|i| points[i]);
+        let bits = |set: &[usize; 4]| set.iter().fold(0, |bits, &i| bits | corner_bit(points[i].feature));
+        manifold.points =
+            best_four(normal, points, |set| *kept != 0 && bits(set) == *kept).map(|i| points[i]);
         manifold.count = 4;
     } else {
         manifold = reduce(normal, points);
@@ -95,32 +98,86 @@ pub(crate) fn reduce_polygon(normal: Vec3, points: &[ContactPoint], kept: &mut u
     manifold
 }
 
-/// Of all sets of four one of the best, in ascending order.
-fn best_four(normal: Vec3, points: &[ContactPoint], kept: u8) -> [usize; 4] {
+/// As [`reduce_within`]; those four by whose names `was_kept` stay while others are no better.
+pub(crate) fn reduce_keeping(
+    normal: Vec3,
+    points: &[ContactPoint],
+    start: Vec3,
+    tie: f32,
+    was_kept: impl Fn(u32) -> bool,
+) -> Manifold {
+    let is_kept = |set: &[usize; 4]| set.iter().all(|&i| was_kept(points[i].feature));
+    let of = |set: [usize; 4]| Manifold { normal, points: set.map(|i| points[i]), count: 4 };
+    if (5..=FEW).contains(&points.len()) {
+        return of(best_four(normal, points, is_kept));
+    }
+    let chosen = reduce_within(normal, points, start, tie);
+    let known: SmallVec<[usize; 8]> = (0..points.len()).filter(|&i| was_kept(points[i].feature)).collect();
+    let Ok(known) = <[usize; 4]>::try_from(&known[..]) else { return chosen };
+    if points.len() <= 4 || chosen.count < 4 {
+        return chosen;
+    }
+    let worth = Worth::of(points);
+    let most = worth.of_set(normal, &chosen.points, TOUCHING);
+    let old = of(known);
+    if worth.is_nearly(worth.of_set(normal, &old.points, KEPT_TOUCHING), most, KEPT_AREA) {
+        old
+    } else {
+        chosen
+    }
+}
+
+/// Of all sets of four one of the best, in ascending order; the first that `was_kept`, while it is nearly as good.
+fn best_four(normal: Vec3, points: &[ContactPoint], was_kept: impl Fn(&[usize; 4]) -> bool) -> [usize; 4] {
     let deepest = first_max(points, |p| -p.distance);
-    let least = points[deepest].distance;
-    let from = points[0].position;
-    let span = points.iter().fold(0.0f32, |m, p| m.max(p.position.distance(from)));
-    // How many touch, whether one is as deep as the deepest, and the area.
-    let worth = |set: &[usize; 4], touching: f32| {
-        let below = |depth: f32| set.iter().filter(|&&i| points[i].distance <= depth).count();
-        let (touch, deep) = (below(least.max(0.0) + touching * span), below(least + EQUAL_DEPTH * span));
-        (touch, deep > 0, area(normal, set.map(|i| points[i].position)))
-    };
+    let worth = Worth::of(points);
+    let of_set = |set: &[usize; 4], touching: f32| worth.of_set(normal, &set.map(|i| points[i]), touching);
     let with_deepest = fours(points.len()).filter(|set| set.contains(&deepest));
-    let most = with_deepest.map(|set| worth(&set, TOUCHING));
+    let most = with_deepest.map(|set| of_set(&set, TOUCHING));
     let most = most.fold((0, true, 0.0), |most, worth| if worth > most { worth } else { most });
-    let nearly = |set: &[usize; 4], touching: f32, share: f32| {
-        let (touch, deep, area) = worth(set, touching);
-        touch >= most.0 && deep && area >= share * most.2
-    };
-    let bits = |set: &[usize; 4]| set.iter().fold(0, |bits, &i| bits | corner_bit(points[i].feature));
+    let nearly =
+        |set: &[usize; 4], touching: f32, share: f32| worth.is_nearly(of_set(set, touching), most, share);
     fours(points.len())
-        .find(|set| kept != 0 && bits(set) == kept)
+        .find(was_kept)
         .filter(|set| nearly(set, KEPT_TOUCHING, KEPT_AREA))
         // Of sets as good as each other the first: points come in the order of their names.
         .or_else(|| fours(points.len()).find(|set| nearly(set, TOUCHING, EQUAL_AREA)))
         .unwrap_or([0, 1, 2, 3])
+}
+
+/// What sets of four of some points are judged by.
+struct Worth {
+    /// Distance of the deepest of all, and how far the first is from the others at most.
+    least: f32,
+    span: f32,
+}
+
+impl Worth {
+    fn of(points: &[ContactPoint]) -> Self {
+        let from = points[0].position;
+        Worth {
+            least: points.iter().fold(f32::INFINITY, |least, p| least.min(p.distance)),
+            span: points.iter().fold(0.0, |span, p| span.max(p.position.distance(from))),
+        }
+    }
+
+    /// How many touch, whether one is as deep as the deepest, and the area.
+    fn of_set(&self, normal: Vec3, set: &[ContactPoint; 4], touching: f32) -> (usize, bool, f32) {
+        let below = |depth: f32| set.iter().filter(|p| p.distance <= depth).count();
+        let touch = below(self.least.max(0.0) + touching * self.span);
+        let deep = below(self.least + EQUAL_DEPTH * self.span) > 0;
+        (touch, deep, area(normal, set.map(|p| p.position)))
+    }
+
+    /// Whether a set is as good as the best, but for a smaller share of the area.
+    fn is_nearly(
+        &self,
+        (touch, deep, area): (usize, bool, f32),
+        most: (usize, bool, f32),
+        share: f32,
+    ) -> bool {
+        touch >= most.0 && deep && area >= share * most.2
+    }
 }
 
 /// All sets of four out of `n`.

@@ -14,9 +14,10 @@
 //! 3. `merge` drops what another triangle explains better and makes manifolds of the rest.
 //!
 //! Triangles are solid on the side opposite to their normals. A body that sank in is pushed out along the normal as
-//! long as its centre is less than its inner radius behind the triangle, or at any depth in a height field.
+//! long as its centre is less than its inner radius behind the triangle, or at any depth in a height field. A closed mesh may be smaller than A:
+//! what of A is behind a triangle, but out of the mesh again on its far side, did not sink in there.
 
-mod facet;
+pub(crate) mod facet;
 mod height_field;
 mod merge;
 mod mesh;
@@ -72,6 +73,10 @@ pub(crate) trait Surface {
     fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64>;
     /// The triangle straight above or below a point, where everything below the surface is solid.
     fn cover(&self, point: Vec3) -> Option<u64>;
+    /// Radius of a ball inside, metres, where the surface is closed.
+    fn thickness(&self) -> Option<f32>;
+    /// Whether a point lies in front of the surface, by more than rounding.
+    fn is_outside(&self, point: Vec3) -> bool;
     /// Whether everything below the surface (along z) is solid, so that no body can be on the wrong side of it.
     const BOTTOMLESS: bool;
 }
@@ -91,7 +96,11 @@ impl<S: Surface> Placed<'_, S> {
     }
 
     fn back(&self, p: Vec3) -> Vec3 {
-        self.rotation.transpose() * p + self.origin
+        self.direction_back(p) + self.origin
+    }
+
+    fn direction_back(&self, v: Vec3) -> Vec3 {
+        self.rotation.transpose() * v
     }
 
     /// The part of the surface's frame that is no further than `margin` from a box around A; its middle; and how exact that is.
@@ -240,6 +249,7 @@ fn ball<S: Surface>(
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
     }
     sunk(&placed, &facets, core, radius, &probe, &mut touches);
+    merge::drop_passed(&placed, &probe, &mut touches);
     let kept = merge::keep(&facets, &probe, &touches);
     merge::manifolds(&facets, &probe, kept, out);
     0.0
@@ -270,6 +280,7 @@ fn poly<S: Surface>(
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
     sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
+    merge::drop_passed(&placed, &probe, &mut touches);
     let mut kept = merge::keep(&facets, &probe, &touches);
     if kept.is_empty() {
         let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
@@ -315,6 +326,7 @@ fn any<S: Surface>(
         smooth::touch(&placed, &facets, i, &solid, &probe, &mut touches);
     }
     sunk(&placed, &facets, &points, solid.skin, &probe, &mut touches);
+    merge::drop_passed(&placed, &probe, &mut touches);
     let mut kept = merge::keep(&facets, &probe, &touches);
     if kept.is_empty() {
         kept.extend(smooth::nearest(&facets, &solid, &probe));

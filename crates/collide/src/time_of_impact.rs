@@ -39,7 +39,7 @@ pub struct Motion {
 /// How two bodies move over the same interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    /// Of the first shape, which is convex or a field.
+    /// Of the first shape, which is convex, a field or a closed mesh.
     pub a: Motion,
     /// Of the second.
     pub b: Motion,
@@ -114,7 +114,7 @@ impl Sweep {
 /// of A's inner radius: where it comes near them or, if it was nearer than half of that radius from the start,
 /// where it has sunk in by so much.
 ///
-/// Of a field A it is the ball inside ([`Field::inner_ball`](rockfall_shape::Field::inner_ball)) that is stopped. None as well where `a` is neither convex nor a field, or a number is not finite.
+/// Of a field or a closed mesh A it is the ball inside ([`Shape::inner_radius`]) that is stopped. None as well where `a` is neither convex nor one of those, or a number is not finite.
 pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Option<Toi> {
     if !sweep.is_finite() || target_distance.is_nan() {
         return None;
@@ -283,11 +283,14 @@ impl Core {
             }
             Shape::Ellipsoid { half } => (Set::Ellipsoid(left * *half), 0.0),
             // A body is stopped by the ball that fits into it.
-            Shape::Field(field) => {
-                let (center, radius) = field.inner_ball();
-                (Set::Points([center].into_iter().collect()), left * radius)
+            Shape::Field(_) | Shape::Mesh(_) if shape.inner_radius() > 0.0 => {
+                (Set::Points([shape.inner_center()].into_iter().collect()), left * shape.inner_radius())
             }
-            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) | Shape::Compound(_) => {
+            Shape::HalfSpace { .. }
+            | Shape::Field(_)
+            | Shape::Mesh(_)
+            | Shape::HeightField(_)
+            | Shape::Compound(_) => {
                 return None;
             }
         };

@@ -122,7 +122,14 @@ pub fn pair(bytes: &[u8]) {
     let what = || format!("{a:?}\n{b:?}\n{b_in_a:?}\n{sweep:?}");
 
     let mut manifolds = Vec::new();
-    let apart = collide(&a, &b, &b_in_a, margin, &mut Cache { word: bytes.word() }, &mut manifolds);
+    let apart = collide(
+        &a,
+        &b,
+        &b_in_a,
+        margin,
+        &mut Cache { word: bytes.word(), kept: bytes.word() },
+        &mut manifolds,
+    );
     assert!(apart >= 0.0, "{apart}\n{}", what());
     if b_in_a.translation.abs().max_element() <= FAR {
         manifolds.iter().for_each(|m| check_manifold(m, &what));

@@ -328,7 +328,8 @@ fn kinds_of_bodies(root: &mut Table, nesting: &Nesting, problems: &mut Vec<Probl
     for node in bodies {
         let Value::Table(body) = &mut node.value else { continue };
         let Some(shape) = shapes.get(body.text("shape")) else { continue };
-        let (kind, immovable) = (shapes::kind_of(shape), nesting.is_immovable(body.text("shape")));
+        let (kind, name) = (shapes::kind_of(shape), body.text("shape"));
+        let (immovable, ground) = (nesting.is_immovable(name), nesting.is_ground(name));
         let (members, member) = ((kind.members)(shape), body.int("member"));
         if member >= members {
             let message = format!("`{}` is {member}", body.path_of("member"));
@@ -336,7 +337,7 @@ fn kinds_of_bodies(root: &mut Table, nesting: &Nesting, problems: &mut Vec<Probl
             problems.push(Problem::at(body.span_of("member"), message).expecting(expected));
         }
         if !body.has("kind") {
-            let word = if immovable || body.bool("sensor") { "static" } else { "dynamic" };
+            let word = if ground || body.bool("sensor") { "static" } else { "dynamic" };
             body.set("kind", Value::Text(word.to_owned()));
         } else if immovable && body.text("kind") == "dynamic" {
             let message = format!("`{}` is dynamic, but its shape is a {}", body.path, kind.spec.name);

@@ -6,7 +6,7 @@ use crate::generators::{self, Pour};
 use crate::import;
 use crate::node::{Table, Value};
 use crate::random::Random;
-use crate::shapes::{self, Cook, bounding_ball, scaled};
+use crate::shapes::{self, Cook, bounding_ball, scaled, why_immovable};
 use crate::sizes::Sizes;
 use crate::start::Begun;
 use rockfall::{Kind, Material, Shape};
@@ -129,6 +129,12 @@ pub(crate) fn plan(
         let family = yard.family(table, "shape")?;
         let shape = yard.sized(family, table.int("member") as usize, 1.0, table)?;
         let template = Template::body(table, yard.material(table))?;
+        if let (Kind::Dynamic, Some(why)) = (template.kind, why_immovable(&yard.plan.shapes[shape as usize]))
+        {
+            let message = format!("`{}` is dynamic, but its shape is {why}", table.path);
+            return Err(Problem::at(table.span_of("kind"), message)
+                .expecting("`static` or `kinematic`, or a closed mesh"));
+        }
         let template = yard.template(template);
         let pose = body::pose(table)?;
         if table.has("id") {
@@ -280,6 +286,11 @@ impl Yard<'_> {
         let mut families = Vec::new();
         for name in names {
             let family = self.family_named(&name, table)?;
+            if let Some(why) = self.families[&family].iter().find_map(why_immovable) {
+                let message =
+                    format!("`{}` makes dynamic bodies, but the shape `{name}` is {why}", table.path);
+                return Err(Problem::at(table.span_of("shape"), message).expecting("a shape with an inside"));
+            }
             families.push((family, self.families[&family].len()));
         }
         let scales = table.table("size").map_or_else(

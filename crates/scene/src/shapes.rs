@@ -16,7 +16,7 @@ use crate::node::Table;
 use crate::spec::{Kinds, Spec};
 use rockfall::Shape;
 use rockfall_math::{Pose, Vec3};
-use rockfall_shape::{Compound, Hull, Part};
+use rockfall_shape::{Compound, Hull, Mesh, MeshReport, Part};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -31,6 +31,8 @@ pub(crate) struct ShapeKind {
     pub(crate) spec: &'static Spec,
     /// It has no inside, so that it can't be dynamic.
     pub(crate) immovable: bool,
+    /// Bodies of it are static unless they say otherwise.
+    pub(crate) ground: bool,
     /// Shapes in its family.
     pub(crate) members: fn(&Table) -> u64,
     /// Rough size in memory, bytes, from the table alone.
@@ -157,11 +159,11 @@ pub(crate) fn bounding_ball(shape: &Shape) -> Option<(Vec3, f32)> {
             (Vec3::ZERO, shape.radius_about(Vec3::ZERO))
         }
         Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => (hull.center, shape.radius_about(hull.center)),
-        Shape::Field(_) | Shape::Compound(_) => {
+        Shape::Field(_) | Shape::Mesh(_) | Shape::Compound(_) => {
             let center = shape.bounds().center();
             (center, shape.radius_about(center))
         }
-        Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => return None,
+        Shape::HalfSpace { .. } | Shape::HeightField(_) => return None,
     })
 }
 
@@ -203,8 +205,33 @@ pub(crate) fn scaled(shape: &Shape, by: f32) -> Result<Shape, String> {
         Shape::Field(field) if by != 1.0 => {
             Shape::Field(Arc::new(field.scaled(by).map_err(|e| e.to_string())?))
         }
+        Shape::Mesh(mesh) if by != 1.0 => {
+            let corners: Vec<Vec3> = mesh.vertices.iter().map(|v| *v * by).collect();
+            Shape::Mesh(Arc::new(Mesh::from_triangles(&corners, &mesh.triangles).map_err(|e| e.to_string())?))
+        }
         other => other.clone(),
     })
+}
+
+/// What keeps a shape that was cooked from being dynamic, as in "the shape is …".
+pub(crate) fn why_immovable(shape: &Shape) -> Option<String> {
+    match shape {
+        _ if shape.can_move() => None,
+        Shape::Compound(compound) => {
+            let parts = compound.parts().iter().map(|part| why_immovable(&part.shape));
+            parts
+                .zip(1..)
+                .find_map(|(why, number)| Some(format!("a compound whose part {number} is {}", why?)))
+        }
+        Shape::Mesh(mesh) if mesh.closed => Some("a mesh that is inside out".to_owned()),
+        Shape::Mesh(mesh) => {
+            let MeshReport { open_edges, tangled_edges, .. } = mesh.report;
+            Some(format!(
+                "a mesh that is not closed: {open_edges} edges have one triangle, and at {tangled_edges} triangles don't go on in one way"
+            ))
+        }
+        _ => Some(format!("a {}", shape.name())),
+    }
 }
 
 fn scaled_hull(hull: &Hull, by: f32) -> Result<Arc<Hull>, String> {

@@ -67,7 +67,7 @@ impl Shape {
     }
 
     /// Radius of a ball that fits inside, metres: a body that moves by less in a step can't pass through a
-    /// thin wall unseen. Infinite for half-spaces, zero for surfaces, of a compound that of its thinnest part.
+    /// thin wall unseen. Infinite for half-spaces, zero for height fields and meshes without an inside, of a compound that of its thinnest part.
     pub fn inner_radius(&self) -> f32 {
         match self {
             Shape::Sphere { radius } | Shape::Capsule { radius, .. } => *radius,
@@ -80,18 +80,21 @@ impl Shape {
             Shape::RoundedHull { hull, radius } => hull.inner_radius + radius,
             Shape::HalfSpace { .. } => f32::INFINITY,
             Shape::Field(field) => field.inner_ball().1,
-            Shape::Mesh(_) | Shape::HeightField(_) => 0.0,
+            Shape::Mesh(mesh) => mesh.inner_ball.1,
+            Shape::HeightField(_) => 0.0,
             Shape::Compound(compound) => compound.thinnest().shape.inner_radius(),
         }
     }
 }
 
 impl Shape {
-    /// The length by which a body's contacts are measured, metres: how far ahead they are looked for, how long they follow the body. The inner radius; of a field, whose walls may be
-    /// thin, a quarter of its outer radius if that is more.
+    /// The length by which a body's contacts are measured, metres: how far ahead they are looked for, how long they follow the body. The inner radius; of a field and a mesh that has an inside, whose walls may be
+    /// thin, a quarter of the outer radius if that is more.
     pub fn contact_scale(&self) -> f32 {
         match self {
             Shape::Field(field) => field.contact_scale(),
+            Shape::Mesh(mesh) if mesh.inner_ball.1 == 0.0 => 0.0,
+            Shape::Mesh(mesh) => mesh.inner_ball.1.max(0.25 * mesh.bounds.half_extents().length()),
             Shape::Compound(compound) => compound.thinnest().shape.contact_scale(),
             _ => self.inner_radius(),
         }
@@ -102,6 +105,7 @@ impl Shape {
         match self {
             Shape::Hull(hull) | Shape::RoundedHull { hull, .. } => hull.center,
             Shape::Field(field) => field.inner_ball().0,
+            Shape::Mesh(mesh) => mesh.inner_ball.0,
             Shape::Cylinder { .. } | Shape::Cone { .. } => {
                 Frustum::of(self).map_or(Vec3::ZERO, |f| Vec3::Z * f.inner_ball().0)
             }

@@ -18,7 +18,7 @@ pub use features::{Feature, FeatureEdge, Features, Normals};
 pub use samples::{SAMPLES_IN_A_BALL, Sample, Samples};
 pub use store::CacheUse;
 
-use crate::{Mesh, MeshError, Shape};
+use crate::{Mesh, MeshError};
 use octree::{Octree, Spot};
 use rockfall_math::Vec3;
 use std::sync::Arc;
@@ -345,7 +345,7 @@ fn check(mesh: &Arc<Mesh>, FieldSettings { error, spacing }: FieldSettings) -> R
         let report = &mesh.report;
         return Err(FieldError::Open { open: report.open_edges, tangled: report.tangled_edges });
     }
-    if !Shape::Mesh(mesh.clone()).has_inside() {
+    if !mesh.encloses() {
         return Err(FieldError::InsideOut);
     }
     let size = (mesh.bounds.max - mesh.bounds.min).max_element();

@@ -68,7 +68,8 @@ impl Shape {
     /// Whether forces may move a body of this shape: it has an inside, and its contacts with all shapes are found.
     pub fn can_move(&self) -> bool {
         match self {
-            Shape::HalfSpace { .. } | Shape::Mesh(_) | Shape::HeightField(_) => false,
+            Shape::HalfSpace { .. } | Shape::HeightField(_) => false,
+            Shape::Mesh(mesh) => mesh.inner_ball.1 > 0.0,
             Shape::Compound(compound) => compound.parts().iter().all(|part| part.shape.can_move()),
             _ => true,
         }

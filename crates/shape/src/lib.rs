@@ -104,7 +104,7 @@ pub enum Shape {
         /// Signed distance of the surface from the origin along `normal`, metres.
         offset: f32,
     },
-    /// A triangle surface, open or closed, seen from the side of its normals. Immovable bodies only.
+    /// A triangle surface, seen from the side of its normals. A closed one is a solid; of an open one static and kinematic bodies can be.
     Mesh(Arc<Mesh>),
     /// The inside of a closed triangle surface, concave or with holes, as its signed distance.
     Field(Arc<Field>),

@@ -1,14 +1,15 @@
-//! Triangle surfaces of immovable bodies.
+//! Triangle surfaces; closed ones are solids, which move.
 
 mod adjacency;
 mod clean;
+mod inner;
 mod nearest;
 mod turned;
 mod winding;
 
 pub use nearest::{NearestOnMesh, TrianglePart, nearest_on_triangle};
 
-use crate::LARGEST;
+use crate::{LARGEST, polyhedron};
 use rockfall_math::{Aabb, DVec3, Vec3};
 use rockfall_tree::Tree;
 
@@ -31,6 +32,8 @@ pub struct Mesh {
     pub bounds: Aabb,
     /// Every edge joins exactly two triangles that agree in orientation, so that the inside is defined.
     pub closed: bool,
+    /// Middle and radius, metres, of a ball that fits inside, nearly the largest; a radius of 0 where the mesh is open or inside out.
+    pub inner_ball: (Vec3, f32),
     /// What was found and mended on the way.
     pub report: MeshReport,
 }
@@ -133,17 +136,27 @@ impl Mesh {
             triangles.iter().map(|t| clean::doubled_area(corners(t)).normalize()).collect();
         let (edges, neighbours) = adjacency::join(&vertices, &triangles, &exact, &mut report);
         let boxes: Vec<Aabb> = triangles.iter().map(|t| Aabb::from_points(corners(t))).collect();
-        Ok(Mesh {
+        let mut mesh = Mesh {
             normals: exact.iter().map(|n| n.as_vec3()).collect(),
             edges,
             neighbours,
             tree: Tree::build(&boxes),
             bounds: Aabb::from_points(vertices.iter().copied()),
             closed: report.open_edges == 0 && report.tangled_edges == 0,
+            inner_ball: (Vec3::ZERO, 0.0),
             vertices,
             triangles,
             report,
-        })
+        };
+        if mesh.encloses() {
+            mesh.inner_ball = inner::inner_ball(&mesh);
+        }
+        Ok(mesh)
+    }
+
+    /// Whether there is an inside: the mesh is closed, and its normals point outwards.
+    pub fn encloses(&self) -> bool {
+        self.closed && polyhedron::moments(self.corners()).volume > 0.0
     }
 
     /// Corners of triangle `t`, counter-clockwise from outside.

@@ -1,7 +1,7 @@
 //! Where two bodies that touch will be in the middle of the step.
 //!
 //! Arms and normals of contacts stay what they are for all sub-steps of a step. Found at its start they are late by half a step on average; a force that is late by τ feeds an oscillation of ω rad/s,
-//! whose amplitude grows by ω² τ / 2 a second: rings of 10 cm that hang in each other swing at 12 rad/s, and would swing by twice as much after every second. So the contacts of two fields, which may hang in each other, are found
+//! whose amplitude grows by ω² τ / 2 a second: rings of 10 cm that hang in each other swing at 12 rad/s, and would swing by twice as much after every second. So the contacts of two fields or meshes, which may hang in each other, and of a mesh that may hang on a convex body, are found
 //! for the middle of the step, from the velocities that the bodies have; distances are taken back to its start, from where the solver counts.
 
 use crate::Shape;
@@ -19,10 +19,27 @@ pub(crate) struct Ahead {
     pub(crate) way: f32,
 }
 
+/// Whether a shape may have a hole or a hook by which it hangs.
+fn may_hang(shape: &Shape) -> bool {
+    match shape {
+        Shape::Field(_) => true,
+        Shape::Mesh(mesh) => mesh.inner_ball.1 > 0.0,
+        _ => false,
+    }
+}
+
+/// Whether a mesh may hang on a convex body, a peg.
+fn hangs_on(shapes: [&Shape; 2]) -> bool {
+    let is_peg = |shape: &Shape| shape.is_convex() && !matches!(shape, Shape::HalfSpace { .. });
+    let is_mesh = |shape: &Shape| matches!(shape, Shape::Mesh(_)) && may_hang(shape);
+    let [a, b] = shapes;
+    is_mesh(a) && is_peg(b) || is_mesh(b) && is_peg(a)
+}
+
 impl Ahead {
     /// Of two bodies whose contacts are found anew in a step of `dt` seconds.
     pub(crate) fn new(bodies: &Bodies, [a, b]: [usize; 2], shapes: [&Shape; 2], dt: f32) -> Self {
-        if !shapes.iter().all(|shape| matches!(shape, Shape::Field(_))) {
+        if !shapes.iter().all(|shape| may_hang(shape)) && !hangs_on(shapes) {
             return Ahead::default();
         }
         let turn = |row: usize| bodies.lines[row].angular_velocity().length() * bodies.radii[row];

@@ -101,6 +101,7 @@ fn loose(shape: &Shape) -> f32 {
         | Shape::Cone { .. }
         | Shape::Ellipsoid { .. } => 0.0,
         Shape::Field(_) => LOOSE * shape.contact_scale(),
+        Shape::Mesh(mesh) if mesh.inner_ball.1 > 0.0 => LOOSE * shape.contact_scale(),
         // On a flat side, where the rounded ones lie, they are like all others; on an edge they turn by a few milliradians at
         // the most before they are looked at again.
         Shape::Box { .. } | Shape::Hull(_) | Shape::RoundedBox { .. } | Shape::RoundedHull { .. } => {

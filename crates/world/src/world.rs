@@ -193,7 +193,8 @@ impl World {
     /// [`Error::Shape`] says what is wrong with it.
     pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId, Error> {
         shape.validate()?;
-        let polyhedron = matches!(shape, Shape::Hull(_) | Shape::RoundedHull { .. } | Shape::Field(_));
+        let polyhedron =
+            matches!(shape, Shape::Hull(_) | Shape::RoundedHull { .. } | Shape::Field(_) | Shape::Mesh(_));
         if let (true, Some(mass)) = (polyhedron, shape.mass_properties(1.0)) {
             self.masses.insert(self.shapes.len(), mass);
         }

@@ -2,9 +2,12 @@
 //!
 //! Each manifold costs the solver as much as that of a body, and two cubes side by side on a plane are held by the four outer corners as
 //! well as by eight. Manifolds that lie at different heights along their normal stay apart: friction acts in the plane of its manifold.
+//!
+//! Of the first manifold that leaves points out, the pair remembers which it kept: chosen anew in every step, points take turns with those that are left out, and what lies on them rattles.
 
-use crate::reduce::{reduce_within, start};
+use crate::reduce::{reduce_keeping, start};
 use crate::{ContactPoint, Manifold};
+use rockfall_math::hash;
 use smallvec::SmallVec;
 
 /// Cosine of 2°: contacts whose normals differ less may share a manifold, as those of a mesh do.
@@ -17,8 +20,10 @@ const IN_PLANE: f32 = 0.05;
 const EQUAL_DEPTH: f32 = 2.5e-4;
 
 /// Merges the manifolds from number `first` on. They keep the order of the first ones, which is that of the parts and so changes
-/// less than that of depths.
-pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize) {
+/// less than that of depths. `kept` has the digests of the points that were kept in the last step, 0 for none, and gets those of this one.
+pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, kept: &mut u32) {
+    let before = std::mem::take(kept);
+    let was_kept = |name: u32| before.to_ne_bytes().contains(&digest(name));
     if manifolds.len() < first + 2 {
         return;
     }
@@ -43,8 +48,18 @@ pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize) {
         }
         let from = points[0].position;
         let span = points.iter().fold(0.0_f32, |span, p| span.max(p.position.distance(from)));
-        manifolds.push(reduce_within(one.normal, &points, start(one.normal), EQUAL_DEPTH * span));
+        let tie = EQUAL_DEPTH * span;
+        let merged = reduce_keeping(one.normal, &points, start(one.normal), tie, was_kept);
+        if *kept == 0 && points.len() > 4 {
+            *kept = u32::from_ne_bytes(merged.points.map(|p| digest(p.feature)));
+        }
+        manifolds.push(merged);
     }
+}
+
+/// A byte of a name, not 0.
+fn digest(name: u32) -> u8 {
+    ((hash::mix(u64::from(name)) >> 56) as u8).max(1)
 }
 
 /// Whether two manifolds push the same way, and all points of the second lie in the plane of the first.
@@ -81,7 +96,7 @@ mod tests {
     fn squares_side_by_side_become_one() {
         let mut all =
             vec![square(9.0, 9.0, 90), square(0.0, 0.0, 0), square(1.0, 0.0, 10), square(2.0, 0.0, 20)];
-        merge(&mut all, 1);
+        merge(&mut all, 1, &mut 0);
         assert_eq!(all.len(), 2);
         let mut corners: Vec<(f32, f32)> =
             all[1].points().iter().map(|p| (p.position.x, p.position.y)).collect();
@@ -98,7 +113,7 @@ mod tests {
             square(1.0, 0.5, 10),
             manifold(slope, &[(Vec3::new(2.0, 0.0, 0.0), 0.0)], 20),
         ];
-        merge(&mut all, 0);
+        merge(&mut all, 0, &mut 0);
         assert_eq!(all.len(), 3);
     }
 
@@ -107,7 +122,29 @@ mod tests {
         let mut deep = square(1.0, 0.0, 10);
         deep.points[1].distance = -0.1;
         let mut all = vec![square(0.0, 0.0, 0), deep, square(2.0, 0.0, 20)];
-        merge(&mut all, 0);
+        merge(&mut all, 0, &mut 0);
         assert_eq!((all.len(), all[0].deepest()), (1, -0.1));
+    }
+
+    /// Two squares side by side, whose inner corners are a little deeper in turns.
+    #[test]
+    fn points_stay_while_others_are_no_better() {
+        let names = |m: &Manifold| m.points().iter().map(|p| p.feature).collect::<Vec<_>>();
+        let mut kept = 0;
+        let mut found = |deeper: usize, by: f32| {
+            let mut all = vec![square(0.0, 0.0, 0), square(1.0, 0.0, 10)];
+            all[deeper / 4].points[deeper % 4].distance = -by;
+            merge(&mut all, 0, &mut kept);
+            assert_eq!(all.len(), 1);
+            names(&all[0])
+        };
+        let first = found(0, 0.0);
+        for point in 0..8 {
+            assert_eq!(found(point, 1e-4), first);
+        }
+        // Deeper by more: nothing hides it, and it stays when it is no deeper than the others again.
+        let second = found(1, 0.1);
+        assert!(second.contains(&1) && second != first, "{second:?}");
+        assert_eq!(found(0, 0.0), second);
     }
 }

@@ -18,17 +18,18 @@ const SAME: f32 = 0.99;
 /// Contacts no further apart than so many spacings of the samples are in one place.
 const PLACE: f32 = 3.0;
 
-/// Points that are open by more than this share of the manifold's span beyond the deepest bear no load: next to a line of contact, on a surface that bends away, they would span the larger area.
-const BEARING: f32 = 1.5e-3;
+/// Points of fields that are open by more than this share of the manifold's span beyond the deepest bear no load: next to a line of contact, on a surface that bends away, they would span the larger area.
+pub(super) const BEARING: f32 = 1.5e-3;
 
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 2.5e-4;
 
-/// Appends the manifolds of contacts that are no further apart than `margin`; `measure` is called for those that are left.
-pub(super) fn manifolds(
+/// Appends the manifolds of contacts that are no further apart than `margin`, without those that are open by more than the share `bearing` of their span beyond the deepest; `measure` is called for those that are left.
+pub(crate) fn manifolds(
     contacts: &[Contact],
     margin: f32,
     spacing: f32,
+    bearing: f32,
     measure: impl Fn(&Contact, &mut ContactPoint),
     out: &mut Vec<Manifold>,
 ) {
@@ -51,7 +52,7 @@ pub(super) fn manifolds(
     }
     let first = out.len();
     out.extend(clusters.iter().map(|cluster| {
-        let mut manifold = manifold(cluster, margin);
+        let mut manifold = manifold(cluster, margin, bearing);
         for point in &mut manifold.points[..manifold.count as usize] {
             if let Some(contact) = cluster.iter().find(|contact| contact.name == point.feature) {
                 measure(contact, point);
@@ -62,7 +63,7 @@ pub(super) fn manifolds(
     keep_few(out, first);
 }
 
-fn manifold(cluster: &[&Contact], margin: f32) -> Manifold {
+fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let deepest = cluster.iter().fold(f32::INFINITY, |least, c| least.min(c.distance));
     // What is deep says most of the direction, and what only just came near nothing at all.
     let scale = (margin - deepest).max(f32::MIN_POSITIVE);
@@ -76,7 +77,7 @@ fn manifold(cluster: &[&Contact], margin: f32) -> Manifold {
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let points: Vec<ContactPoint> = cluster
         .iter()
-        .filter(|c| c.distance <= deepest + BEARING * span)
+        .filter(|c| c.distance - deepest <= bearing * span)
         .map(|c| ContactPoint { position: c.position, distance: c.distance, feature: c.name })
         .collect();
     reduce_within(normal, &points, start(normal), EQUAL * span)

@@ -35,6 +35,7 @@ const OF_ONE: u32 = OF_SAMPLES - 1;
 struct Edge {
     number: u32,
     start: Vec3,
+    end: Vec3,
     along: Vec3,
     out: Vec3,
     cone: f32,
@@ -159,7 +160,7 @@ impl Two<'_, '_> {
         let edge = field.features().edges()[number as usize];
         let [start, end] = edge.ends.map(|v| own.place.point(field.mesh().vertices[v as usize]));
         let out = own.place.vector(edge.normals.out);
-        Edge { number, start, along: end - start, out, cone: edge.normals.cone }
+        Edge { number, start, end, along: end - start, out, cone: edge.normals.cone }
     }
 
     /// All crossings; of the second body's edges, which are sorted along x, only those are tried that may reach so far.
@@ -183,7 +184,7 @@ impl Two<'_, '_> {
 
     /// The contact of two edges that cross.
     fn crossing(&self, one: &Edge, two: &Edge) -> Option<Contact> {
-        let (on_one, on_two, normal) = nearest(one, two)?;
+        let (on_one, on_two, normal) = crossing([one.start, one.end], [two.start, two.end], one.out, 0.0)?;
         let distance = normal.dot(on_two - on_one);
         let faces = |edge: &Edge, cosine: f32| within(cosine, edge.cone, FACING);
         if distance > self.margin || !faces(one, normal.dot(one.out)) || !faces(two, -normal.dot(two.out)) {
@@ -216,20 +217,25 @@ impl Two<'_, '_> {
     }
 }
 
-/// The nearest points of two edges, if they are not the ends, and their common normal, out of the first.
-fn nearest(one: &Edge, two: &Edge) -> Option<(Vec3, Vec3, Vec3)> {
-    let between = two.start - one.start;
-    let cross = one.along.cross(two.along);
+/// The nearest points of two edges, if they are further in than the ends or no further beyond them than `slack` metres, and their common normal, on the side of `out`.
+pub(crate) fn crossing(one: [Vec3; 2], two: [Vec3; 2], out: Vec3, slack: f32) -> Option<(Vec3, Vec3, Vec3)> {
+    let [u, v] = [one, two].map(|ends| ends[1] - ends[0]);
+    let between = two[0] - one[0];
+    let cross = u.cross(v);
     let squared = cross.length_squared();
-    if squared <= PARALLEL * PARALLEL * one.along.length_squared() * two.along.length_squared() {
+    if squared <= PARALLEL * PARALLEL * u.length_squared() * v.length_squared() {
         return None;
     }
-    let s = between.cross(two.along).dot(cross) / squared;
-    let t = between.cross(one.along).dot(cross) / squared;
-    if !(0.0..=1.0).contains(&s) || !(0.0..=1.0).contains(&t) {
+    let s = between.cross(v).dot(cross) / squared;
+    let t = between.cross(u).dot(cross) / squared;
+    let is_on = |share: f32, along: Vec3| {
+        let beyond = if slack > 0.0 { slack / along.length() } else { 0.0 };
+        (-beyond..=1.0 + beyond).contains(&share)
+    };
+    if !is_on(s, u) || !is_on(t, v) {
         return None;
     }
     let normal = cross / squared.sqrt();
-    let normal = if normal.dot(one.out) < 0.0 { -normal } else { normal };
-    Some((one.start + s * one.along, two.start + t * two.along, normal))
+    let normal = if normal.dot(out) < 0.0 { -normal } else { normal };
+    Some((one[0] + s * u, two[0] + t * v, normal))
 }

@@ -10,7 +10,7 @@ pub(super) const NEARLY: [f32; 2] = [0.5, 0.866];
 
 /// The same for points that stay where they are: 4°. A point of a floor beside the foot of what stands on it looks past its edge, and beside the place where two round bodies touch there are only points
 /// that come near later or never.
-pub(super) const FACING: [f32; 2] = [0.997_56, 0.069_76];
+pub(crate) const FACING: [f32; 2] = [0.997_56, 0.069_76];
 
 /// And for those that are where the two surfaces are nearest already.
 const OPPOSITE: f32 = 0.999_9;
@@ -26,13 +26,13 @@ const OF_B: u32 = 1 << 31;
 
 /// A point of one body near the other, in A's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Contact {
+pub(crate) struct Contact {
     /// Half-way between the two surfaces.
-    pub(super) position: Vec3,
+    pub(crate) position: Vec3,
     /// Unit vector from A to B.
-    pub(super) normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Signed distance along the normal, metres.
-    pub(super) distance: f32,
+    pub(crate) distance: f32,
     pub(super) name: u32,
     /// Whether another point of its surface near by may be nearer to the other body: not where both surfaces look at each other already.
     pub(super) slides: bool,
@@ -41,7 +41,7 @@ pub(super) struct Contact {
 }
 
 /// Whether the cosine of an angle says that it is within a cone, which is given by the cosine of its own, or by no more than `beside` beyond.
-pub(super) fn within(cosine: f32, cone: f32, [beside, sine]: [f32; 2]) -> bool {
+pub(crate) fn within(cosine: f32, cone: f32, [beside, sine]: [f32; 2]) -> bool {
     // The cosine of the sum of both; everything is within a cone that the sum makes a whole ball.
     let open = cone <= -beside;
     open || cosine >= cone * beside - (1.0 - cone * cone).max(0.0).sqrt() * sine
@@ -53,7 +53,7 @@ impl Contact {
     }
 
     /// Of a point of one surface, and where the other body is.
-    pub(super) fn new(of_b: bool, p: Vec3, other: Near, name: u32) -> Self {
+    pub(crate) fn new(of_b: bool, p: Vec3, other: Near, name: u32) -> Self {
         let Near { distance, normal: out } = other;
         let position = p - 0.5 * distance * out;
         let (normal, name) = if of_b { (out, name | OF_B) } else { (-out, name & !OF_B) };

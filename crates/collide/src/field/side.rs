@@ -15,9 +15,9 @@ pub(super) struct Side<'a> {
 
 /// Signed distance from a shape, and the direction out of it, in A's frame.
 #[derive(Clone, Copy)]
-pub(super) struct Near {
-    pub(super) distance: f32,
-    pub(super) normal: Vec3,
+pub(crate) struct Near {
+    pub(crate) distance: f32,
+    pub(crate) normal: Vec3,
 }
 
 /// A point of a surface.

@@ -177,17 +177,15 @@ fn fold(words: &[u64]) -> u32 {
 }
 
 /// Whether the surface can push along `out` from a corner: `out` makes no acute angle with any edge that leaves
-/// it.
-pub(super) fn corner_pushes<S: Surface>(
-    placed: &Placed<S>,
+/// it. In the frame of the surface.
+pub(crate) fn corner_pushes<S: Surface>(
+    surface: &S,
     triangle: u64,
     corner: usize,
     out: Vec3,
     tolerance: f32,
 ) -> bool {
-    let surface = placed.surface;
     let id = surface.ids(triangle)[corner];
-    let out = placed.rotation.transpose() * out;
     // Once around; where the surface ends, once more the other way.
     for backwards in [false, true] {
         let mut here = triangle;

@@ -96,6 +96,14 @@ impl Surface for HeightField {
         Some(name(self, i, j, upper))
     }
 
+    fn thickness(&self) -> Option<f32> {
+        None
+    }
+
+    fn is_outside(&self, point: Vec3) -> bool {
+        self.height_at(point.x, point.y).is_none_or(|height| point.z > height)
+    }
+
     fn cover(&self, point: Vec3) -> Option<u64> {
         let area = Aabb::new(point, point);
         let [columns, rows] = self.cells_under(&area);

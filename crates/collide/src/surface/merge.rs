@@ -1,7 +1,7 @@
 //! From the contacts of single triangles to manifolds.
 
 use super::facet::Facet;
-use super::{Probe, Touch};
+use super::{Placed, Probe, Surface, Touch};
 use crate::gjk::{Proximity, proximity};
 use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
@@ -12,6 +12,9 @@ const SAME: f32 = 0.999_39;
 
 /// Share of A's size from which on a depth needs an explanation.
 const DEEP: f32 = 0.004;
+
+/// Overlap with a closed surface, as a share of the radius of the ball inside, beyond which a shorter way out is the right one; what is fast is stopped before.
+const DEEPEST: f32 = 0.25;
 
 /// The contacts that no other triangle explains better.
 pub(super) fn keep(facets: &[Facet], probe: &Probe, touches: &[Touch]) -> Vec<Touch> {
@@ -96,6 +99,19 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
 /// Whether A's core overlaps the triangle.
 fn crosses(core: &[Vec3], facet: &Facet) -> bool {
     matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
+}
+
+/// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, where anything overlaps less, what would push A out through it: one triangle alone may know no shorter way.
+pub(super) fn drop_passed<S: Surface>(placed: &Placed<S>, probe: &Probe, touches: &mut Vec<Touch>) {
+    let Some(thickness) = placed.surface.thickness() else { return };
+    let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
+    let is_outside = |touch: &Touch| placed.surface.is_outside(placed.back(core(touch)));
+    let is_core = |touch: &Touch| touch.doubtful || probe.radius > 0.0;
+    touches.retain(|touch| !(touch.distance < -probe.radius && is_core(touch) && is_outside(touch)));
+    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius;
+    if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
+        touches.retain(|touch| !far(touch));
+    }
 }
 
 /// Whether another triangle, which A's centre is less behind, pushes the other way: the back of a thin wall does not

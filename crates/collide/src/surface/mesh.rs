@@ -4,6 +4,9 @@ use super::Surface;
 use rockfall_math::{Aabb, Vec3};
 use rockfall_shape::{EdgeKind, Mesh};
 
+/// Share of the size of a mesh by which a point may seem to be on the wrong side of it.
+const ROUNDING: f32 = 1e-5;
+
 impl Surface for Mesh {
     const BOTTOMLESS: bool = false;
 
@@ -35,5 +38,14 @@ impl Surface for Mesh {
 
     fn cover(&self, _point: Vec3) -> Option<u64> {
         None
+    }
+
+    fn thickness(&self) -> Option<f32> {
+        self.closed.then_some(self.inner_ball.1)
+    }
+
+    fn is_outside(&self, point: Vec3) -> bool {
+        let slack = f64::from(ROUNDING * self.bounds.half_extents().length());
+        self.nearest(point.as_dvec3(), f64::INFINITY).is_some_and(|near| near.distance > slack)
     }
 }

@@ -89,7 +89,7 @@ fn push<S: Surface>(
     } else {
         let corner = if at > 0.0 { (edge + 1) % 3 } else { edge };
         (
-            corner_pushes(placed, facet.triangle, corner, out, ROUNDING),
+            corner_pushes(placed.surface, facet.triangle, corner, placed.direction_back(out), ROUNDING),
             facet.shared_feature([corner, corner], k),
         )
     };

@@ -162,7 +162,7 @@ fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, out: Vec3, at: Vec3) ->
         facet.edge_pushes(edge, out, CONE)
     } else {
         let corner = if t > 0.5 { (edge + 1) % 3 } else { edge };
-        corner_pushes(placed, facet.triangle, corner, out, CONE)
+        corner_pushes(placed.surface, facet.triangle, corner, placed.direction_back(out), CONE)
     }
 }
 

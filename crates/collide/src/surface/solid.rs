@@ -183,7 +183,9 @@ fn pushes<S: Surface>(placed: &Placed<S>, facet: &Facet, heights: &[f32; 3], out
         |k: usize| heights[k] - heights[first] > SQUARE * facet.corners[k].distance(facet.corners[first]);
     let (next, previous) = ((first + 1) % 3, (first + 2) % 3);
     match (rises(next), rises(previous)) {
-        (true, true) => corner_pushes(placed, facet.triangle, first, out, CONE),
+        (true, true) => {
+            corner_pushes(placed.surface, facet.triangle, first, placed.direction_back(out), CONE)
+        }
         (false, true) => facet.edge_pushes(first, out, CONE),
         (true, false) => facet.edge_pushes(previous, out, CONE),
         (false, false) => false,

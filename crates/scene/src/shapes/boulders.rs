@@ -54,6 +54,7 @@ distribution = "power-law"
 pub(super) static BOULDERS: ShapeKind = ShapeKind {
     spec: &BOULDERS_KEYS,
     immovable: false,
+    ground: false,
     members: |table| table.int("count"),
     memory: |table| table.int("count") * (64 + 64 * table.ints("points")[1]),
     check: super::nothing_to_check,

@@ -27,6 +27,7 @@ max = [0.8, 0.6, 0.5]
 pub(super) static BOXES: ShapeKind = ShapeKind {
     spec: &BOXES_KEYS,
     immovable: false,
+    ground: false,
     members: |table| table.int("count"),
     memory: |table| 64 * table.int("count"),
     check,

@@ -13,8 +13,8 @@ use std::sync::Arc;
 pub(super) static COMPOUND_KEYS: Spec = Spec {
     name: "compound",
     about: "Shapes at fixed places that move as one. They may overlap; what overlaps is as heavy as if it were there twice. \
-            Bodies of it are static or kinematic where a part is for such bodies only. Half-spaces and height fields, which have \
-            no end, can't be parts.",
+            With a mesh as a part, bodies of it are static unless their `kind` says otherwise, and can't be dynamic where the mesh is open. \
+            Half-spaces and height fields, which have no end, can't be parts.",
     example: r#"[shapes.head]
 kind = "box"
 size = [0.3, 0.12, 0.12]
@@ -47,6 +47,7 @@ pub(crate) static PART: Spec = Spec {
 pub(super) static COMPOUND: ShapeKind = ShapeKind {
     spec: &COMPOUND_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: |table| 512 * parts_of(table).count() as u64,
     check: nothing_to_check,
@@ -81,12 +82,14 @@ pub(crate) struct Nesting {
     known: BTreeMap<String, Known>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Known {
     /// Parts that are no compounds; 1 of what is no compound.
     count: u64,
     /// No body of it can be dynamic.
     immovable: bool,
+    /// Bodies of it are static unless they say otherwise.
+    ground: bool,
 }
 
 impl Nesting {
@@ -105,6 +108,11 @@ impl Nesting {
         self.known.get(shape).is_some_and(|known| known.immovable)
     }
 
+    /// Whether bodies of a shape are static unless they say otherwise.
+    pub(crate) fn is_ground(&self, shape: &str) -> bool {
+        self.known.get(shape).is_some_and(|known| known.ground)
+    }
+
     /// Looks at a shape; `chain` leads to it. What does not exist is somebody else's problem.
     fn look<'a>(
         &mut self,
@@ -112,7 +120,7 @@ impl Nesting {
         shapes: &BTreeMap<&'a str, &'a Table>,
         chain: &mut Vec<&'a str>,
     ) -> Result<Known, Problem> {
-        let Some(table) = shapes.get(name).copied() else { return Ok(Known { count: 0, immovable: false }) };
+        let Some(table) = shapes.get(name).copied() else { return Ok(Known::default()) };
         if let Some(&known) = self.known.get(name) {
             return Ok(known);
         }
@@ -127,12 +135,14 @@ impl Nesting {
             return Err(wrong(message).expecting("fewer compounds in compounds"));
         }
         chain.push(name);
-        let mut all = Known { count: 0, immovable: kind_of(table).immovable };
+        let ShapeKind { immovable, ground, .. } = *kind_of(table);
+        let mut all = Known { count: 0, immovable, ground };
         for part in parts_of(table) {
             let inner = part.text("shape");
             let known = self.look(inner, shapes, chain)?;
             all.count = all.count.saturating_add(known.count);
             all.immovable |= known.immovable;
+            all.ground |= known.ground;
             let members = shapes.get(inner).map_or(u64::MAX, |shape| (kind_of(shape).members)(shape));
             if part.int("member") >= members {
                 let message = format!("`{}` is {}", part.path_of("member"), part.int("member"));

@@ -57,6 +57,7 @@ max_hulls = 4
 pub(super) static DECOMPOSITION: ShapeKind = ShapeKind {
     spec: &DECOMPOSITION_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: |table| (16 << 10) * table.int("max_hulls"),
     check: mesh::check,

@@ -41,6 +41,7 @@ error = 0.0005
 pub(super) static FIELD: ShapeKind = ShapeKind {
     spec: &FIELD_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     // What a body of a hundred times its error takes, with a mesh of 5,000 triangles.
     memory: |_| 4 << 20,

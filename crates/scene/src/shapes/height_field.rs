@@ -34,6 +34,7 @@ spacing = [5, 5]
 pub(super) static HEIGHT_FIELD: ShapeKind = ShapeKind {
     spec: &HEIGHT_FIELD_KEYS,
     immovable: true,
+    ground: true,
     members: one,
     memory: |table| {
         let cells = table.table("terrain").map_or(0, |t| t.ints("cells").iter().product::<u64>());

@@ -33,6 +33,7 @@ pub(super) static HULL_GROUP: [Key; 5] = [
 pub(super) static HULL: ShapeKind = ShapeKind {
     spec: &HULL_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: |_| 16 << 10,
     check: |table| only_one_of(table, &["points", "file"]).map(|_| ()),

@@ -1,4 +1,4 @@
-//! Triangle meshes of immovable bodies: from a file, from lists, or procedural terrain.
+//! Triangle meshes: from a file, from lists, or procedural terrain.
 
 use super::{Cook, ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
@@ -14,8 +14,8 @@ use std::sync::Arc;
 
 pub(super) static MESH_KEYS: Spec = Spec {
     name: "mesh",
-    about: "A triangle surface, open or closed, hit from the side that its triangles show counter-clockwise. For \
-            bodies that are static or kinematic.",
+    about: "A triangle surface, open or closed, hit from the side that its triangles show counter-clockwise. A body \
+            of it is static unless its `kind` says otherwise, and may be dynamic where the mesh is closed.",
     example: r#"[shapes.valley]
 kind = "mesh"
 file = "meshes/valley.obj"
@@ -34,7 +34,8 @@ pub(super) static MESH_GROUP: [Key; 4] = [
 
 pub(super) static MESH: ShapeKind = ShapeKind {
     spec: &MESH_KEYS,
-    immovable: true,
+    immovable: false,
+    ground: true,
     members: one,
     // Per triangle: corners, normal, edges, neighbours and its share of the tree.
     memory: |table| {

@@ -19,6 +19,7 @@ radius = 0.5
 pub(super) static SPHERE: ShapeKind = ShapeKind {
     spec: &SPHERE_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -38,6 +39,7 @@ size = [1, 0.6, 0.4]
 pub(super) static BOX: ShapeKind = ShapeKind {
     spec: &BOX_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -61,6 +63,7 @@ length = 1.5
 pub(super) static CAPSULE: ShapeKind = ShapeKind {
     spec: &CAPSULE_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -87,6 +90,7 @@ length = 1
 pub(super) static CYLINDER: ShapeKind = ShapeKind {
     spec: &CYLINDER_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -120,6 +124,7 @@ length = 0.6
 pub(super) static CONE: ShapeKind = ShapeKind {
     spec: &CONE_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: |table| {
@@ -148,6 +153,7 @@ size = [0.6, 0.4, 0.2]
 pub(super) static ELLIPSOID: ShapeKind = ShapeKind {
     spec: &ELLIPSOID_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -169,6 +175,7 @@ kind = "half-space"
 pub(super) static HALF_SPACE: ShapeKind = ShapeKind {
     spec: &HALF_SPACE_KEYS,
     immovable: true,
+    ground: true,
     members: one,
     memory: small,
     check: |table| {

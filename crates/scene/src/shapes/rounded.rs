@@ -28,6 +28,7 @@ radius = 0.1
 pub(super) static ROUNDED_BOX: ShapeKind = ShapeKind {
     spec: &ROUNDED_BOX_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: small,
     check: nothing_to_check,
@@ -50,6 +51,7 @@ radius = 0.1
 pub(super) static ROUNDED_HULL: ShapeKind = ShapeKind {
     spec: &ROUNDED_HULL_KEYS,
     immovable: false,
+    ground: false,
     members: one,
     memory: |_| 16 << 10,
     check: |table| only_one_of(table, &["points", "file"]).map(|_| ()),

@@ -15,16 +15,17 @@ impl Stored for Recall {
     const TYPE: &'static str = "recall";
 
     fn put(column: &[Self], put: Put<'_>) -> Result<(), Error> {
-        put_each(column, put, |&Recall { cache: Cache { word }, mark }, bytes| {
-            [word, mark].iter().for_each(|word| bytes.extend_from_slice(&word.to_ne_bytes()));
+        put_each(column, put, |&Recall { cache: Cache { word, kept }, mark }, bytes| {
+            [word, kept, mark].iter().for_each(|word| bytes.extend_from_slice(&word.to_ne_bytes()));
         })
     }
 
     fn get(count: u64, get: Get<'_>) -> Result<Option<Vec<Self>>, Error> {
-        get_each(count, 8, get, |bytes| {
+        get_each(count, 12, get, |bytes| {
             let (words, _) = bytes.as_chunks();
-            let &[word, mark] = words else { return None };
-            Some(Recall { cache: Cache { word: u32::from_ne_bytes(word) }, mark: u32::from_ne_bytes(mark) })
+            let &[word, kept, mark] = words else { return None };
+            let [word, kept, mark] = [word, kept, mark].map(u32::from_ne_bytes);
+            Some(Recall { cache: Cache { word, kept }, mark })
         })
     }
 }

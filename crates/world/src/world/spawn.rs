@@ -80,7 +80,10 @@ impl World {
             .get(body.material.index())
             .ok_or(Error::Unknown { what: "material", index: body.material.0 })?;
         let sphere = matches!(shape, Shape::Sphere { .. });
-        let inner_radius = Some(shape.contact_scale()).filter(|r| r.is_finite()).unwrap_or_default();
+        // Partners reach for a surface that they don't move, as large as it may be beside them.
+        let is_ground = body.kind != Kind::Dynamic && matches!(shape, Shape::Mesh(_));
+        let inner_radius =
+            Some(shape.contact_scale()).filter(|r| r.is_finite() && !is_ground).unwrap_or_default();
         if body.kind != Kind::Dynamic {
             let radius = shape.radius_about(Vec3::ZERO);
             return Ok(Mass { radius, inner_radius, sphere, ..Mass::default() });
@@ -203,7 +206,11 @@ fn immovable(shape: &Shape) -> &'static str {
         Shape::Compound(compound) => compound.parts(),
         _ => &[],
     };
-    parts.iter().map(|part| &part.shape).find(|part| !part.can_move()).unwrap_or(shape).name()
+    match parts.iter().map(|part| &part.shape).find(|part| !part.can_move()).unwrap_or(shape) {
+        Shape::Mesh(mesh) if mesh.closed => "mesh that is inside out",
+        Shape::Mesh(_) => "mesh that is not closed",
+        shape => shape.name(),
+    }
 }
 
 fn check_finite(what: &'static str, v: Vec3) -> Result<(), Error> {
