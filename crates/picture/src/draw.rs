@@ -22,6 +22,9 @@ impl Ink {
     }
 }
 
+/// An end of what is seen of a line: its place, pixels, and its share of the whole line.
+type End = ([f64; 2], f64);
+
 impl Picture {
     /// Puts ink on a pixel, as much of it as `share`; outside of the picture nothing.
     pub(crate) fn dab(&mut self, x: i64, y: i64, ink: &Ink, share: f32) {
@@ -103,8 +106,7 @@ impl Picture {
     }
 
     /// What of a line may be seen: its ends and their shares of the whole (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984).
-    #[expect(clippy::type_complexity, reason = "two ends of a line, each with its share")]
-    fn clip(&self, a: [f64; 2], b: [f64; 2], width: f64) -> Option<(([f64; 2], f64), ([f64; 2], f64))> {
+    fn clip(&self, a: [f64; 2], b: [f64; 2], width: f64) -> Option<(End, End)> {
         let (mut from, mut until) = (0.0_f64, 1.0_f64);
         let margin = width + 2.0;
         for (axis, size) in [self.width, self.height].into_iter().enumerate() {

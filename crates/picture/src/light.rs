@@ -24,10 +24,10 @@ const BELOW: Vec3 = Vec3::new(0.62, 0.66, 0.70);
 /// Share of the sky's light that comes around every corner.
 const STRAY: f32 = 0.12;
 
-/// How thick the air is: at a tenth of the way to what is nearly lost in it.
+/// How thick the air is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Air {
-    /// Distance at which a thing is seen through e⁻¹ of the air's light, metres; infinite for none.
+    /// Distance from which one e-th of a thing's light comes through, metres; infinite where there is no air.
     pub reach: f64,
 }
 

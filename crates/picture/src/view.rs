@@ -86,25 +86,25 @@ impl<'a> View<'a> {
 
     /// Whether the ray meets anything at all.
     pub(crate) fn blocked(&self, ray: &Ray) -> bool {
-        let mut blocked = false;
-        let origin = Aabb::around(ray.origin, ray.origin);
-        self.tree.cast_box(&origin, ray.direction.as_vec3(), up(ray.max), |actor, max| {
-            blocked = self.cast(actor, ray).is_some();
-            if blocked { -1.0 } else { max }
-        });
-        blocked || self.large.iter().any(|&actor| self.cast(actor, ray).is_some())
+        self.blocked_by(ray, |_| true)
     }
 
     /// Whether the ray meets an actor that does not move.
     pub(crate) fn blocked_by_fixed(&self, ray: &Ray) -> bool {
+        self.blocked_by(ray, |actor| !self.stage.actors[actor as usize].moves)
+    }
+
+    /// Whether the ray meets one of the actors that count.
+    #[inline]
+    fn blocked_by(&self, ray: &Ray, counts: impl Fn(u32) -> bool) -> bool {
+        let meets = |actor: u32| counts(actor) && self.cast(actor, ray).is_some();
         let mut blocked = false;
-        let fixed = |actor: u32| !self.stage.actors[actor as usize].moves;
         let origin = Aabb::around(ray.origin, ray.origin);
         self.tree.cast_box(&origin, ray.direction.as_vec3(), up(ray.max), |actor, max| {
-            blocked = fixed(actor) && self.cast(actor, ray).is_some();
+            blocked = meets(actor);
             if blocked { -1.0 } else { max }
         });
-        blocked || self.large.iter().any(|&actor| fixed(actor) && self.cast(actor, ray).is_some())
+        blocked || self.large.iter().any(|&actor| meets(actor))
     }
 
     /// Cuts the ray where it meets an actor.
