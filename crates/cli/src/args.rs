@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use rockfall::Solver;
 use rockfall_export::{Frames, Ids};
+use rockfall_picture::{ColorBy, Overlay, Quality};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -34,6 +35,8 @@ pub(crate) enum Verb {
     Export(ExportArgs),
     /// Drive the solvers through cases with known answers, and say how far off they are.
     Validate(ValidateArgs),
+    /// Take pictures of a run, or of a scene that is simulated for them.
+    Render(Box<RenderArgs>),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -211,6 +214,54 @@ pub(crate) struct ValidateArgs {
     pub(crate) list: bool,
 }
 
+/// `rockfall render`.
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// Folder of a run, or a scene, which is simulated up to the frame and leaves no run behind.
+    #[arg(value_name = "RUN|SCENE")]
+    pub(crate) path: PathBuf,
+    /// Frames, both ends included: 7, 3..7, 3.. or ..7; a file for each [default: the last one].
+    #[arg(long, value_name = "N|A..B")]
+    pub(crate) frame: Option<Frames>,
+    /// Every so many frames of these.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: u64,
+    /// Pixels across and down.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub(crate) size: Size,
+    /// What colours tell.
+    #[arg(long, value_name = "WHAT", default_value = "body", value_parser = color_by)]
+    pub(crate) color_by: ColorBy,
+    /// A camera of the scene, or auto for one that finds its own place [default: the scene's first, else auto].
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+    /// Draw over the picture: contacts, normals, impulses, bounds, centres, paths.
+    #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_parser = overlay)]
+    pub(crate) overlay: Vec<Overlay>,
+    /// How much work goes into a picture: draft, default or fine.
+    #[arg(long, value_name = "HOW", default_value = "default", value_parser = quality)]
+    pub(crate) quality: Quality,
+    /// Write frame, time and number of bodies on the picture.
+    #[arg(long)]
+    pub(crate) caption: bool,
+    /// NAME.png, or NAME.exr with light and depth; what is there is replaced. The frame's number is put behind the name where there are many [default: RUN-FRAME.png here].
+    #[arg(long, short, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+    /// Threads [default: as many as the machine has]. Never changes the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+    /// Print errors only.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// Pixels across and down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+}
+
 /// The formats of exports by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FormatName {
@@ -300,6 +351,51 @@ fn every(text: &str) -> Result<Every, String> {
     }
 }
 
+/// Pixels across and down, such as 1280x720.
+fn size(text: &str) -> Result<Size, String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (16..=16384).contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| side(width).zip(side(height)));
+    let sides = sides.map(|(width, height)| Size { width, height });
+    sides.ok_or_else(|| "expected WIDTHxHEIGHT, each from 16 to 16384, such as 1280x720".into())
+}
+
+/// One of some words.
+fn word<T: Copy>(text: &str, words: &[(&str, T)]) -> Result<T, String> {
+    let found = words.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
+    let all = || words.iter().map(|(word, _)| *word).collect::<Vec<&str>>().join(", ");
+    found.ok_or_else(|| format!("expected one of {}", all()))
+}
+
+fn color_by(text: &str) -> Result<ColorBy, String> {
+    let words = [
+        ("body", ColorBy::Body),
+        ("material", ColorBy::Material),
+        ("size", ColorBy::Size),
+        ("speed", ColorBy::Speed),
+        ("force", ColorBy::Force),
+        ("sleep", ColorBy::Sleep),
+        ("island", ColorBy::Island),
+        ("penetration", ColorBy::Penetration),
+    ];
+    word(text, &words)
+}
+
+fn overlay(text: &str) -> Result<Overlay, String> {
+    let words = [
+        ("contacts", Overlay::Contacts),
+        ("normals", Overlay::Normals),
+        ("impulses", Overlay::Impulses),
+        ("bounds", Overlay::Bounds),
+        ("centres", Overlay::Centres),
+        ("paths", Overlay::Paths),
+    ];
+    word(text, &words)
+}
+
+fn quality(text: &str) -> Result<Quality, String> {
+    word(text, &[("draft", Quality::Draft), ("default", Quality::Standard), ("fine", Quality::Fine)])
+}
+
 /// A hash as the program prints it.
 fn hash(text: &str) -> Result<u64, String> {
     let digits = text.strip_prefix("0x").unwrap_or(text);
@@ -328,6 +424,14 @@ mod tests {
         assert_eq!(every("never"), Ok(Every::Never));
         for wrong in ["", "0", "-1", "min", "10 min", "1.5h", "10m", "99999999999"] {
             assert!(every(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_size_has_two_sides() {
+        assert_eq!(size("1280x720"), Ok(Size { width: 1280, height: 720 }));
+        for wrong in ["", "1280", "1280x", "x720", "8x720", "1280x99999", "-1x5", "1280X720"] {
+            assert!(size(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -67,6 +67,17 @@ impl From<rockfall_cache::Error> for Failure {
     }
 }
 
+impl From<rockfall_picture::Error> for Failure {
+    fn from(error: rockfall_picture::Error) -> Self {
+        use rockfall_picture::Error;
+        match error {
+            Error::Run(error) => error.into(),
+            Error::Unknown { .. } => Failure::Usage(error.to_string()),
+            other => Failure::Run(other.to_string()),
+        }
+    }
+}
+
 impl From<rockfall_export::Error> for Failure {
     fn from(error: rockfall_export::Error) -> Self {
         use rockfall_export::Error;

@@ -1,6 +1,6 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`validate`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`render`], [`validate`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -14,6 +14,7 @@ mod open;
 mod output;
 mod plan;
 mod progress;
+mod render;
 mod run;
 mod say;
 mod stop;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Verb::Diff(args) => diff::diff(&args),
         Verb::Export(args) => export::export(&args),
         Verb::Validate(args) => validate::validate(&args),
+        Verb::Render(args) => render::render(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

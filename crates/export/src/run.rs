@@ -1,7 +1,10 @@
 //! The run that is exported.
 
 use crate::{Error, Inventory};
-use rockfall_cache::{BodyTable, Column, ColumnReader, Poses, RunReader, Summary, Values, Velocities};
+use rockfall_cache::{
+    BodyTable, Column, ColumnReader, Contacts, ContactsReader, Poses, RunReader, Summary, Values, Velocities,
+    WantedContacts,
+};
 use rockfall_math::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -17,6 +20,7 @@ pub struct Run {
     has_velocities: bool,
     columns: Vec<Column>,
     readers: Vec<ColumnReader>,
+    contacts: Option<(WantedContacts, ContactsReader)>,
     inventory: OnceLock<Inventory>,
 }
 
@@ -33,6 +37,7 @@ impl Run {
         }
         let (has_velocities, columns) = (reader.has_velocities()?, reader.columns()?);
         let readers = columns.iter().map(|column| reader.column(column)).collect::<Result<_, _>>()?;
+        let contacts = reader.wanted_contacts()?.zip(reader.contacts()?);
         Ok(Run {
             path: path.to_owned(),
             reader,
@@ -42,6 +47,7 @@ impl Run {
             has_velocities,
             columns,
             readers,
+            contacts,
             inventory: OnceLock::new(),
         })
     }
@@ -108,6 +114,19 @@ impl Run {
     /// Those of [`ColumnReader::at`].
     pub fn values(&self, frame: u64) -> Result<Vec<Values>, Error> {
         self.readers.iter().map(|reader| Ok(reader.at(frame)?)).collect()
+    }
+
+    /// Which contacts it has; none where `None`.
+    pub fn wanted_contacts(&self) -> Option<WantedContacts> {
+        self.contacts.as_ref().map(|(wanted, _)| *wanted)
+    }
+
+    /// Its contacts at a frame; none where it has none there.
+    ///
+    /// # Errors
+    /// Those of [`ContactsReader::at`].
+    pub fn contacts(&self, frame: u64) -> Result<Contacts, Error> {
+        Ok(self.contacts.as_ref().map_or(Ok(Contacts::default()), |(_, reader)| reader.at(frame))?)
     }
 
     /// What the bodies look like. Made when it is first asked for, since the scene has to be laid out for it.

@@ -10,6 +10,7 @@
 #![forbid(unsafe_code)]
 
 mod body;
+mod cameras;
 mod check;
 mod crowd;
 mod error;
@@ -39,6 +40,7 @@ mod start;
 mod terrain;
 mod write;
 
+pub use cameras::{Course, SceneCamera};
 pub use error::{Place, Problem, SceneError};
 pub use manual::keys as manual;
 pub use memory::Estimate;

@@ -7,7 +7,7 @@ use crate::root::{MATERIAL, ROOT};
 use crate::shapes::Nesting;
 use crate::source::{Source, Sources, Span};
 use crate::spec::Ty;
-use crate::{body, generators, import, nesting, root, shapes};
+use crate::{body, cameras, generators, import, nesting, root, shapes};
 use rockfall_import::Content;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -233,6 +233,7 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
         problems.extend(body::pose(table).err());
     }
     kinds_of_bodies(root, &nesting, problems);
+    cameras::check(root, problems);
     unique(root, "id", problems);
     unique(root, "name", problems);
 }

@@ -1,6 +1,7 @@
 //! The lists of keys in `docs/scene.md`, made from the tables of keys.
 
 use crate::body::BODY;
+use crate::cameras::{CAMERAS, KEY};
 use crate::generators::GENERATORS;
 use crate::import::IMPORT;
 use crate::region::REGIONS;
@@ -40,6 +41,11 @@ pub fn keys() -> String {
     for spec in REGIONS.cases {
         section(&mut out, &format!("#### Region `kind = \"{}\"`", spec.name), spec, true);
     }
+    heading(&mut out, "## `[[cameras]]`", "The key `kind` says how it moves; without it, it stands still.");
+    for spec in CAMERAS.cases {
+        section(&mut out, &format!("### Camera `kind = \"{}\"`", spec.name), spec, true);
+    }
+    section(&mut out, "### A key of a camera", &KEY, false);
     out
 }
 
@@ -116,6 +122,9 @@ mod tests {
         assert!(Scene::parse(&terrain, "terrain", ".").is_ok());
         let turned = format!("{shapes}[[bodies]]\nshape = \"ball\"\n{}", super::AXIS_DEGREES.example);
         assert!(Scene::parse(&turned, "rotation", ".").is_ok());
+        let hammer = format!("{shapes}[[bodies]]\nname = \"hammer\"\nshape = \"ball\"\n");
+        let cameras: String = super::CAMERAS.cases.iter().map(|c| c.example).collect();
+        assert!(Scene::parse(&format!("{hammer}{cameras}"), "cameras", ".").is_ok());
         assert!(Scene::parse(super::ROOT.example, "scene", ".").is_ok());
         // Right but for the run, which is not there.
         let start = Scene::parse(super::START.example, "start", ".").unwrap_err();

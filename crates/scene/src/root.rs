@@ -1,6 +1,7 @@
 //! The keys of a scene file and of its tables `[world]`, `[output]` and `[materials.NAME]`, and how they are read.
 
 use crate::body::BODY;
+use crate::cameras::CAMERAS;
 use crate::error::Problem;
 use crate::generators::GENERATORS;
 use crate::import::IMPORT;
@@ -49,11 +50,18 @@ position = [0, 0, 10]
         key("bodies", Ty::List(&Ty::Table(&BODY)), "[]", "Bodies, one by one."),
         key("imports", Ty::List(&Ty::Table(&IMPORT)), "[]", "Scenes of other programs."),
         key("generators", Ty::List(&Ty::Kinds(GENERATOR_KINDS)), "[]", "Bodies in bulk."),
+        key(
+            "cameras",
+            Ty::List(&Ty::Kinds(CAMERA_KINDS)),
+            "[]",
+            "Cameras for pictures. Where there is none, a picture finds a place from which what moves is to be seen.",
+        ),
     ]],
 };
 
 static SHAPE_KINDS: &Kinds = &SHAPES;
 static GENERATOR_KINDS: &Kinds = &GENERATORS;
+static CAMERA_KINDS: &Kinds = &CAMERAS;
 
 pub(crate) const SOLVERS: &[&str] = &["soft-step", "impulse", "reflect"];
 const RATE: Range = Range { min: 1.0, max: 100_000.0 };

@@ -1,5 +1,6 @@
 //! A scene, from its file to a world.
 
+use crate::cameras::{self, SceneCamera};
 use crate::error::{Problem, SceneError};
 use crate::load::{self, Loaded, Loader};
 use crate::memory::{self, Estimate};
@@ -167,6 +168,11 @@ impl Scene {
         begun.into_iter().chain(import::notes(&self.root, &self.imports)).collect()
     }
 
+    /// Its cameras, in the order of the file.
+    pub fn cameras(&self) -> Vec<SceneCamera> {
+        cameras::cameras(&self.root)
+    }
+
     /// Bodies, those included that will be poured.
     pub fn body_count(&self) -> u64 {
         self.estimate().bodies
@@ -185,7 +191,7 @@ impl Scene {
     }
 
     /// Names of all materials, those of the run that the scene starts with last.
-    pub(crate) fn materials(&self) -> Vec<String> {
+    pub fn materials(&self) -> Vec<String> {
         let own = import::materials(&self.root, &self.imports).into_iter().map(|(name, _)| name);
         let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|(name, _)| name.clone());
         own.chain(former).collect()

@@ -8,7 +8,7 @@ use std::fmt::Write;
 pub(crate) fn scene(root: &Table) -> String {
     let mut out = String::new();
     for (name, node) in &root.entries {
-        let kinds = matches!(*name, "shapes" | "generators");
+        let kinds = matches!(*name, "shapes" | "generators" | "cameras");
         match &node.value {
             Value::Table(table) => section(&mut out, &format!("[{name}]"), table, kinds),
             Value::Named(tables) => {
