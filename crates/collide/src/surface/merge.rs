@@ -110,17 +110,14 @@ pub(super) fn drop_passed<S: Surface>(
 ) {
     let Some(thickness) = placed.surface.thickness() else { return };
     // What has its middle in front came through from there, however thin the wall is.
-    let behind = |touch: &Touch| facets[touch.facet].height(probe.center) <= 0.0;
+    let came_from_behind = |touch: &Touch| !touch.doubtful || facets[touch.facet].height(probe.center) <= 0.0;
     let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
     let is_outside = |touch: &Touch| placed.surface.is_outside(placed.back(core(touch)));
     let is_core = |touch: &Touch| touch.doubtful || probe.radius > 0.0;
     touches.retain(|touch| {
-        !(touch.distance < -probe.radius
-            && is_core(touch)
-            && (behind(touch) || !touch.doubtful)
-            && is_outside(touch))
+        !(touch.distance < -probe.radius && is_core(touch) && came_from_behind(touch) && is_outside(touch))
     });
-    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius && behind(touch);
+    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius;
     if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
         touches.retain(|touch| !far(touch));
     }
