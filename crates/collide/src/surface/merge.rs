@@ -117,7 +117,8 @@ pub(super) fn drop_passed<S: Surface>(
     touches.retain(|touch| {
         !(touch.distance < -probe.radius && is_core(touch) && came_from_behind(touch) && is_outside(touch))
     });
-    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius;
+    let far =
+        |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius && came_from_behind(touch);
     if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
         touches.retain(|touch| !far(touch));
     }
