@@ -249,7 +249,7 @@ fn ball<S: Surface>(
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
     }
     sunk(&placed, &facets, core, radius, &probe, &mut touches);
-    merge::drop_passed(&placed, &probe, &mut touches);
+    merge::drop_passed(&placed, &facets, &probe, &mut touches);
     let kept = merge::keep(&facets, &probe, &touches);
     merge::manifolds(&facets, &probe, kept, out);
     0.0
@@ -280,7 +280,7 @@ fn poly<S: Surface>(
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
     sunk(&placed, &facets, a.vertices, 0.0, &probe, &mut touches);
-    merge::drop_passed(&placed, &probe, &mut touches);
+    merge::drop_passed(&placed, &facets, &probe, &mut touches);
     let mut kept = merge::keep(&facets, &probe, &touches);
     if kept.is_empty() {
         let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
@@ -326,7 +326,7 @@ fn any<S: Surface>(
         smooth::touch(&placed, &facets, i, &solid, &probe, &mut touches);
     }
     sunk(&placed, &facets, &points, solid.skin, &probe, &mut touches);
-    merge::drop_passed(&placed, &probe, &mut touches);
+    merge::drop_passed(&placed, &facets, &probe, &mut touches);
     let mut kept = merge::keep(&facets, &probe, &touches);
     if kept.is_empty() {
         kept.extend(smooth::nearest(&facets, &solid, &probe));

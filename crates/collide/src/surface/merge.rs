@@ -102,13 +102,23 @@ fn crosses(core: &[Vec3], facet: &Facet) -> bool {
 }
 
 /// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, where anything overlaps less, what would push A out through it: one triangle alone may know no shorter way.
-pub(super) fn drop_passed<S: Surface>(placed: &Placed<S>, probe: &Probe, touches: &mut Vec<Touch>) {
+pub(super) fn drop_passed<S: Surface>(
+    placed: &Placed<S>,
+    facets: &[Facet],
+    probe: &Probe,
+    touches: &mut Vec<Touch>,
+) {
     let Some(thickness) = placed.surface.thickness() else { return };
+    // What has its middle in front came through from there, however thin the wall is.
+    let came_from_behind = |touch: &Touch| !touch.doubtful || facets[touch.facet].height(probe.center) <= 0.0;
     let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
     let is_outside = |touch: &Touch| placed.surface.is_outside(placed.back(core(touch)));
     let is_core = |touch: &Touch| touch.doubtful || probe.radius > 0.0;
-    touches.retain(|touch| !(touch.distance < -probe.radius && is_core(touch) && is_outside(touch)));
-    let far = |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius;
+    touches.retain(|touch| {
+        !(touch.distance < -probe.radius && is_core(touch) && came_from_behind(touch) && is_outside(touch))
+    });
+    let far =
+        |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius && came_from_behind(touch);
     if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
         touches.retain(|touch| !far(touch));
     }
