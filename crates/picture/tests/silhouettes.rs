@@ -34,10 +34,12 @@ fn march(shape: &Shape, pose: &Pose, from: DVec3, direction: DVec3) -> Result<f6
 
 #[test]
 fn silhouettes_and_depths_are_those_of_the_distance() {
-    for (k, shape) in (0..).zip(shapes()) {
+    // A height field is a sheet to rays and solid below it to points, so that its borders differ; `view/quilt.rs` compares its rays.
+    let shapes = shapes().into_iter().filter(|shape| !matches!(shape, Shape::HeightField(_)));
+    for (k, shape) in (0..).zip(shapes) {
         // Far away from the origin as near to it.
         let position = DVec3::new(1000.0 * f64::from(k), -20.0, 3.0);
-        let level = matches!(shape, Shape::HeightField(_) | Shape::HalfSpace { .. });
+        let level = matches!(shape, Shape::HalfSpace { .. });
         let pose =
             Pose { position, rotation: if level { turned(0).inverse() * turned(0) } else { turned(k) } };
         let actor = Actor { shape: 0, pose, color: [0.5; 3], moves: true };
