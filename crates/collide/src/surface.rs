@@ -73,8 +73,8 @@ pub(crate) trait Surface {
     fn neighbour(&self, triangle: u64, edge: usize) -> Option<u64>;
     /// The triangle straight above or below a point, where everything below the surface is solid.
     fn cover(&self, point: Vec3) -> Option<u64>;
-    /// Radius of a ball inside, metres, where the surface is closed.
-    fn thickness(&self) -> Option<f32>;
+    /// Where the surface is closed, the radius of a ball inside, and the diagonal of the box around it, metres.
+    fn inside(&self) -> Option<(f32, f32)>;
     /// Whether a point lies in front of the surface, by more than rounding.
     fn is_outside(&self, point: Vec3) -> bool;
     /// Whether everything below the surface (along z) is solid, so that no body can be on the wrong side of it.

@@ -257,7 +257,7 @@ fn strange_numbers_have_no_impact() {
     }
     let sweep = Sweep { a: moving(start, Vec3::Z * -9.0, Vec3::ZERO), b: rest };
     assert_eq!(time_of_impact(&ball, &ball, &sweep, f32::NAN), None);
-    assert_eq!(time_of_impact(&walls()[2], &ball, &sweep, 1e-3), None);
+    assert_eq!(time_of_impact(&walls()[4], &ball, &sweep, 1e-3), None);
     assert!(time_of_impact(&ball, &ball, &sweep, 1e-3).is_some());
 }
 

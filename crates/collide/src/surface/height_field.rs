@@ -96,7 +96,7 @@ impl Surface for HeightField {
         Some(name(self, i, j, upper))
     }
 
-    fn thickness(&self) -> Option<f32> {
+    fn inside(&self) -> Option<(f32, f32)> {
         None
     }
 

@@ -108,7 +108,7 @@ pub(super) fn drop_passed<S: Surface>(
     probe: &Probe,
     touches: &mut Vec<Touch>,
 ) {
-    let Some(thickness) = placed.surface.thickness() else { return };
+    let Some((thickness, width)) = placed.surface.inside() else { return };
     // What has its middle in front came through from there, however thin the wall is.
     let came_from_behind = |touch: &Touch| !touch.doubtful || facets[touch.facet].height(probe.center) <= 0.0;
     let core = |touch: &Touch| touch.on_a + probe.radius * touch.out;
@@ -117,8 +117,11 @@ pub(super) fn drop_passed<S: Surface>(
     touches.retain(|touch| {
         !(touch.distance < -probe.radius && is_core(touch) && came_from_behind(touch) && is_outside(touch))
     });
-    let far =
-        |touch: &Touch| touch.distance < -DEEPEST * thickness - probe.radius && came_from_behind(touch);
+    // And no way out of it is longer than all of it.
+    let far = |touch: &Touch| {
+        let depth = -touch.distance - probe.radius;
+        depth > DEEPEST * thickness && came_from_behind(touch) || depth > width
+    };
     if touches.iter().any(|touch| touch.distance <= 0.0 && !far(touch)) {
         touches.retain(|touch| !far(touch));
     }

@@ -40,8 +40,8 @@ impl Surface for Mesh {
         None
     }
 
-    fn thickness(&self) -> Option<f32> {
-        self.closed.then_some(self.inner_ball.1)
+    fn inside(&self) -> Option<(f32, f32)> {
+        self.closed.then(|| (self.inner_ball.1, 2.0 * self.bounds.half_extents().length()))
     }
 
     fn is_outside(&self, point: Vec3) -> bool {
