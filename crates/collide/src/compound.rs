@@ -42,7 +42,10 @@ pub(crate) fn collide(
     let mut memory = Memory::new(cache.word);
     let apart = parts(a, b, b_in_a, margin, 0, &mut memory, out);
     cache.word = memory.word();
-    merge::merge(out, first, &mut cache.kept);
+    // Boxes alone know which of their corners made the last manifold; a bowl of hulls that keeps points rocks on them.
+    let mut kept = cache.kept;
+    merge::merge(out, first, (cache.word != 0).then_some(&mut kept));
+    cache.kept = if cache.word != 0 { kept } else { 0 };
     apart
 }
 

@@ -68,8 +68,8 @@ pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash
     }
     let (length, skin) = match (skin(a), skin(b)) {
         (0.0, 0.0) => (loose(a).min(loose(b)), 0.0),
-        (skin, 0.0) => (loose_round(skin, b), skin),
-        (0.0, skin) => (loose_round(skin, a), -skin),
+        (skin, 0.0) if is_flat(b) => (loose(b).min(LOOSE * skin), skin),
+        (0.0, skin) if is_flat(a) => (loose(a).min(LOOSE * skin), -skin),
         _ => return Leash::default(),
     };
     // All of the smaller body is within its diameter from the contact.
@@ -84,12 +84,9 @@ fn skin(shape: &Shape) -> f32 {
     }
 }
 
-/// What a ball or a capsule of radius `skin` allows with another shape, whose surface is flat where it touches.
-fn loose_round(skin: f32, other: &Shape) -> f32 {
-    match other {
-        Shape::Field(_) => 0.0,
-        _ => loose(other).min(LOOSE * skin),
-    }
+/// Whether a shape is flat wherever a ball touches it: a field bends, and a compound may have round parts.
+fn is_flat(shape: &Shape) -> bool {
+    loose(shape) > 0.0 && !matches!(shape, Shape::Field(_) | Shape::Compound(_))
 }
 
 /// What a shape allows that touches a flat one.

@@ -5,7 +5,7 @@
 //!
 //! Of the first manifold that leaves points out, the pair remembers which it kept: chosen anew in every step, points take turns with those that are left out, and what lies on them rattles.
 
-use crate::reduce::{reduce_keeping, start};
+use crate::reduce::{reduce_keeping, reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use rockfall_math::hash;
 use smallvec::SmallVec;
@@ -20,9 +20,9 @@ const IN_PLANE: f32 = 0.05;
 const EQUAL_DEPTH: f32 = 2.5e-4;
 
 /// Merges the manifolds from number `first` on. They keep the order of the first ones, which is that of the parts and so changes
-/// less than that of depths. `kept` has the digests of the points that were kept in the last step, 0 for none, and gets those of this one.
-pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, kept: &mut u32) {
-    let before = std::mem::take(kept);
+/// less than that of depths. `kept`, if points are to stay, has the digests of those that were kept in the last step, 0 for none, and gets those of this one.
+pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, mut kept: Option<&mut u32>) {
+    let before = kept.as_deref_mut().map_or(0, std::mem::take);
     let was_kept = |name: u32| before.to_ne_bytes().contains(&digest(name));
     if manifolds.len() < first + 2 {
         return;
@@ -49,11 +49,17 @@ pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, kept: &mut u32)
         let from = points[0].position;
         let span = points.iter().fold(0.0_f32, |span, p| span.max(p.position.distance(from)));
         let tie = EQUAL_DEPTH * span;
-        let merged = reduce_keeping(one.normal, &points, start(one.normal), tie, was_kept);
-        if *kept == 0 && points.len() > 4 {
-            *kept = u32::from_ne_bytes(merged.points.map(|p| digest(p.feature)));
-        }
-        manifolds.push(merged);
+        let from = start(one.normal);
+        manifolds.push(match &mut kept {
+            Some(kept) => {
+                let merged = reduce_keeping(one.normal, &points, from, tie, was_kept);
+                if **kept == 0 && points.len() > 4 {
+                    **kept = u32::from_ne_bytes(merged.points.map(|p| digest(p.feature)));
+                }
+                merged
+            }
+            None => reduce_within(one.normal, &points, from, tie),
+        });
     }
 }
 
@@ -96,7 +102,7 @@ mod tests {
     fn squares_side_by_side_become_one() {
         let mut all =
             vec![square(9.0, 9.0, 90), square(0.0, 0.0, 0), square(1.0, 0.0, 10), square(2.0, 0.0, 20)];
-        merge(&mut all, 1, &mut 0);
+        merge(&mut all, 1, None);
         assert_eq!(all.len(), 2);
         let mut corners: Vec<(f32, f32)> =
             all[1].points().iter().map(|p| (p.position.x, p.position.y)).collect();
@@ -113,7 +119,7 @@ mod tests {
             square(1.0, 0.5, 10),
             manifold(slope, &[(Vec3::new(2.0, 0.0, 0.0), 0.0)], 20),
         ];
-        merge(&mut all, 0, &mut 0);
+        merge(&mut all, 0, None);
         assert_eq!(all.len(), 3);
     }
 
@@ -122,7 +128,7 @@ mod tests {
         let mut deep = square(1.0, 0.0, 10);
         deep.points[1].distance = -0.1;
         let mut all = vec![square(0.0, 0.0, 0), deep, square(2.0, 0.0, 20)];
-        merge(&mut all, 0, &mut 0);
+        merge(&mut all, 0, None);
         assert_eq!((all.len(), all[0].deepest()), (1, -0.1));
     }
 
@@ -134,7 +140,7 @@ mod tests {
         let mut found = |deeper: usize, by: f32| {
             let mut all = vec![square(0.0, 0.0, 0), square(1.0, 0.0, 10)];
             all[deeper / 4].points[deeper % 4].distance = -by;
-            merge(&mut all, 0, &mut kept);
+            merge(&mut all, 0, Some(&mut kept));
             assert_eq!(all.len(), 1);
             names(&all[0])
         };
