@@ -32,7 +32,7 @@ pub struct Mesh {
     pub bounds: Aabb,
     /// Every edge joins exactly two triangles that agree in orientation, so that the inside is defined.
     pub closed: bool,
-    /// Middle and radius, metres, of a ball that fits inside, nearly the largest; a radius of 0 where the mesh is open or inside out.
+    /// Middle and radius, metres, of a ball that fits inside: a large one, of a cube two thirds of the largest; a radius of 0 where the mesh is open or inside out.
     pub inner_ball: (Vec3, f32),
     /// What was found and mended on the way.
     pub report: MeshReport,
