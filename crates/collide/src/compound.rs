@@ -43,9 +43,11 @@ pub(crate) fn collide(
     let apart = parts(a, b, b_in_a, margin, 0, &mut memory, out);
     cache.word = memory.word();
     // Boxes alone know which of their corners made the last manifold; a bowl of hulls that keeps points rocks on them.
-    let mut kept = cache.kept;
-    merge::merge(out, first, (cache.word != 0).then_some(&mut kept));
-    cache.kept = if cache.word != 0 { kept } else { 0 };
+    let boxes_touch = cache.word != 0;
+    if !boxes_touch {
+        cache.kept = 0;
+    }
+    merge::merge(out, first, boxes_touch.then_some(&mut cache.kept));
     apart
 }
 

@@ -63,7 +63,7 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         (Shape::Mesh(one), Shape::Field(two)) => surfaces([a, b], &**one, &**two.mesh(), b_in_a, margin, out),
         (Shape::Field(one), Shape::Mesh(two)) => surfaces([a, b], &**one.mesh(), &**two, b_in_a, margin, out),
         (Shape::HalfSpace { normal, offset }, Shape::Mesh(mesh)) => {
-            half_space(*normal, *offset, mesh, b_in_a, margin, out)
+            half_space(*normal, *offset, mesh, b_in_a, [margin, scale([a, b])], out)
         }
         (Shape::Mesh(_), Shape::HalfSpace { .. }) => {
             let first = out.len();
@@ -117,13 +117,13 @@ fn surfaces<A: Surface, B: Surface>(
     0.0
 }
 
-/// Corners of a mesh at a plane, in the plane's frame.
+/// Corners of a mesh of that contact scale at a plane, in the plane's frame.
 fn half_space(
     normal: Vec3,
     offset: f32,
     mesh: &Mesh,
     place: &Isometry,
-    margin: f32,
+    [margin, scale]: [f32; 2],
     out: &mut Vec<Manifold>,
 ) -> f32 {
     if mesh.inner_ball.1 == 0.0 {
@@ -144,7 +144,6 @@ fn half_space(
             contacts.push(Contact::new(true, p, Near { distance, normal }, (vertex & NAMES) as u32));
         }
     }
-    let scale = mesh.inner_ball.1.max(0.25 * mesh.bounds.half_extents().length());
     manifolds(&contacts, margin, GRAIN * scale, ALL, |_, _| (), out);
     0.0
 }

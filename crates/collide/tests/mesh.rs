@@ -1,40 +1,12 @@
 //! Contacts of closed meshes that move, against the exact shapes that they were made from.
 
+mod common;
+
+use common::Random;
 use rockfall_collide::{Cache, Manifold, collide, distance};
-use rockfall_math::{Isometry, Mat3, Vec3, hash, rotation};
+use rockfall_math::{Isometry, Mat3, Vec3};
 use rockfall_shape::{Hull, Mesh, Shape};
 use std::sync::Arc;
-
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 += 1;
-        (hash::mix(self.0) >> 40) as f32 / (1 << 24) as f32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::from([0; 3].map(|_| self.between(-1.0, 1.0)))
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.vector();
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-
-    fn rotation(&mut self) -> Mat3 {
-        let angle = self.between(0.0, 3.0);
-        Mat3::from_quat(rotation::from_rotation_vector(self.direction() * angle))
-    }
-}
 
 fn mesh_of(hull: &Hull) -> Shape {
     let triangles: Vec<[u32; 3]> = (0..hull.normals.len())
@@ -84,7 +56,7 @@ fn convex(size: f32) -> Vec<Shape> {
 
 /// Places a shape along a direction so that it is `wanted` from the other one, by halves.
 fn placed(fixed: &Shape, shape: &Shape, random: &mut Random, far: f32, wanted: f32) -> Isometry {
-    let (rotation, from) = (random.rotation(), random.direction());
+    let (rotation, from) = (Mat3::from_quat(random.turn()), random.direction());
     let place = |way: f32| Isometry { rotation, translation: way * from };
     let (mut near, mut away) = (0.0, far);
     for _ in 0..40 {

@@ -27,8 +27,8 @@ pub(super) struct Point {
 /// Names of the points of an edge; a longer one uses some again.
 const PLACES: u32 = 1 << 12;
 
-/// The least part of the reach between two points: with an ordinary reach, of less than a field's size, samples are further apart.
-const FINEST: f32 = 64.0;
+/// No more points than that lie along the reach. Along an ordinary one, shorter than the field, there are fewer anyway.
+const MOST_AHEAD: f32 = 64.0;
 
 /// The least number of points around a rim.
 const SPOKES: u32 = 16;
@@ -47,7 +47,7 @@ pub(super) fn near(
     let seen = own.place.inverse().then_after(&other.place);
     let area = Area { center: seen.point(bounds.center()), radius: bounds.half_extents().length() + reach };
     // What is met from far off, by a fast body, is met coarser: else points would grow with the way ahead.
-    let spacing = spacing.max(reach / FINEST);
+    let spacing = spacing.max(reach / MOST_AHEAD);
     match own.shape {
         Shape::Mesh(mesh) => surface(&**mesh, &area, spacing, put),
         Shape::HeightField(heights) => surface(&**heights, &area, spacing, put),
