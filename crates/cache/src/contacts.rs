@@ -84,6 +84,9 @@ pub struct Contacts {
 }
 
 impl WantedContacts {
+    /// All contacts of every frame, without friction.
+    pub const ALL: Self = WantedContacts { every: 1, force: 0.0, friction: false };
+
     /// Those of the world's last step, which led to the frame `frame`. The solvers `impulse` and `reflect` keep no impulses: forces are zero there.
     pub fn gather(&self, world: &World, origin: DVec3, frame: u64) -> Contacts {
         let mut found = Contacts::default();

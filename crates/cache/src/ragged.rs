@@ -29,9 +29,9 @@ fn rows_in_chunk(bodies: usize) -> usize {
 pub(crate) struct Kind {
     /// Its group in the trajectory.
     pub(crate) name: &'static str,
-    /// All columns that there can be,
+    /// All columns that there can be.
     pub(crate) columns: &'static [Column],
-    /// and how many of them, the first ones, every table has. The others are there where the run wants them.
+    /// How many of them, the first ones, every table has. The others are there where the run wants them.
     pub(crate) always: usize,
 }
 

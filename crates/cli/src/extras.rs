@@ -8,9 +8,6 @@ use rockfall_cache::{
 };
 use rockfall_scene::{Running, Scene};
 
-/// All contacts, of which bodies have their counts and sums.
-const ALL: WantedContacts = WantedContacts { every: 1, force: 0.0, friction: false };
-
 /// A column that a scene can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BuiltIn {
@@ -71,7 +68,7 @@ impl Extras {
         let contacts = self.contacts.map(|wanted| wanted.gather(world, origin, frame));
         let events = self.events.map(|wanted| wanted.gather(world.events()));
         let counts = [BuiltIn::ContactCount, BuiltIn::ContactForce].iter().any(|c| self.columns.contains(c));
-        let all = if counts { ALL.gather(world, origin, frame) } else { Contacts::default() };
+        let all = if counts { WantedContacts::ALL.gather(world, origin, frame) } else { Contacts::default() };
         let columns = self.columns.iter().map(|column| column.values(world, table, ids, &all));
         let columns = columns.collect::<Result<_, Error>>()?;
         Ok((contacts.unwrap_or_default(), events.unwrap_or_default(), columns))

@@ -7,9 +7,6 @@ use rockfall_math::DVec3;
 use rockfall_scene::{BodyRow, Running, Scene};
 use std::collections::BTreeMap;
 
-/// All contacts of a step.
-const ALL: WantedContacts = WantedContacts { every: 1, force: 0.0, friction: false };
-
 impl Sight {
     /// The world of a scene after `frame` steps.
     pub fn of_world(scene: &Scene, running: &Running, frame: u64) -> Sight {
@@ -21,7 +18,7 @@ impl Sight {
         let (poses, shapes, kinds) = (world.poses(), world.shapes_of_bodies(), world.kinds());
         let (velocities, sleeping) = (world.velocities(), world.sleeping());
         let origin = poses.first().map_or(DVec3::ZERO, |pose| pose.position);
-        let contacts = ALL.gather(world, origin, frame);
+        let contacts = WantedContacts::ALL.gather(world, origin, frame);
         let of_all = forces(&ids, &contacts);
         let mut sight = Sight {
             frame,
