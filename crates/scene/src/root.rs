@@ -9,7 +9,7 @@ use crate::node::Table;
 use crate::shapes::SHAPES;
 use crate::spec::{ANY, Kinds, NOT_NEGATIVE, POSITIVE, Range, SHARE, Spec, Ty, key, optional};
 use crate::start::START;
-use rockfall::{Material, Mix, Settings, Solver};
+use rockfall::{Integrator, Material, Mix, Settings, Solver};
 
 /// A scene file.
 pub(crate) static ROOT: Spec = Spec {
@@ -64,6 +64,7 @@ static GENERATOR_KINDS: &Kinds = &GENERATORS;
 static CAMERA_KINDS: &Kinds = &CAMERAS;
 
 pub(crate) const SOLVERS: &[&str] = &["soft-step", "impulse", "reflect"];
+pub(crate) const INTEGRATORS: &[&str] = &["second-order", "semi-implicit"];
 const RATE: Range = Range { min: 1.0, max: 100_000.0 };
 
 pub(crate) static WORLD: Spec = Spec {
@@ -89,6 +90,13 @@ substeps = 8
             "\"soft-step\"",
             "How contacts are answered: `soft-step` carries large piles; `impulse` and `reflect` are the two responses \
              of the report.",
+        ),
+        key(
+            "integrator",
+            Ty::Choice(INTEGRATORS),
+            "\"second-order\"",
+            "`soft-step`: how bodies in free flight move. `second-order` is exact under gravity; `semi-implicit` Euler is ½ g h off for each second, \
+             h the length of a sub-step.",
         ),
         optional("duration", Ty::Number(POSITIVE), "Simulated time, s; another way to say `frames`."),
         optional("frames", Ty::Int(1, 1_000_000_000), "Frames to simulate. 300 where neither is given."),
@@ -274,6 +282,10 @@ pub(crate) fn settings(world: &Table) -> Settings {
             "impulse" => Solver::Impulse,
             "reflect" => Solver::Reflect,
             _ => Solver::SoftStep,
+        },
+        integrator: match world.text("integrator") {
+            "semi-implicit" => Integrator::SemiImplicit,
+            _ => Integrator::SecondOrder,
         },
         contact_hertz: world.f32("contact_hertz"),
         contact_damping: world.f32("contact_damping"),

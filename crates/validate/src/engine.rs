@@ -6,7 +6,7 @@ mod rockfall;
 
 use crate::Error;
 use ::rockfall::math::{DVec3, Pose, Vec3};
-use ::rockfall::{Kind, Mix, Shape, Solver};
+use ::rockfall::{Integrator, Kind, Mix, Shape, Solver};
 use serde::Serialize;
 
 /// Which engine.
@@ -83,6 +83,8 @@ pub(crate) struct Terms {
     pub(crate) substeps: u32,
     /// Contacts that close faster than this bounce, m/s.
     pub(crate) threshold: f32,
+    /// How bodies fly, in Rockfall.
+    pub(crate) integrator: Integrator,
     /// Natural frequency of Rockfall's contacts, Hz.
     pub(crate) hertz: f32,
     /// Threads, 0 for as many as the machine has.
@@ -96,6 +98,7 @@ impl Terms {
         rate: 1000.0,
         substeps: 1,
         threshold: 1.0,
+        integrator: Integrator::SecondOrder,
         hertz: 60.0,
         threads: 1,
     };

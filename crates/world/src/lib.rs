@@ -37,7 +37,7 @@ pub use rockfall_math as math;
 pub use rockfall_math::snapshot;
 pub use rockfall_shape as shape;
 pub use rockfall_shape::Shape;
-pub use settings::{Settings, Solver};
+pub use settings::{Integrator, Settings, Solver};
 pub use world::query::{Cast, CastHit, Filter, Lists, Movers, Penetration, PointHit, Ray, RayHit};
 pub use world::{Contact, MaterialId, ShapeId, World};
 

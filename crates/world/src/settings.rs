@@ -2,6 +2,7 @@
 
 use rockfall_math::Vec3;
 use rockfall_solve::WORTH_TILES;
+pub use rockfall_solve::drift::Integrator;
 
 /// How contacts are answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,6 +27,8 @@ pub struct Settings {
     pub substeps: u32,
     /// How contacts are answered.
     pub solver: Solver,
+    /// How positions follow from velocities in free flight. `SoftStep` alone; the simple solvers are semi-implicit.
+    pub integrator: Integrator,
     /// Natural frequency of the soft position correction, Hz; never used above a quarter of the sub-step rate.
     pub contact_hertz: f32,
     /// Damping ratio of the soft position correction. Larger is slower; and the less of an impulse leaks with it in a
@@ -63,6 +66,7 @@ impl Default for Settings {
             rate: 60.0,
             substeps: 4,
             solver: Solver::SoftStep,
+            integrator: Integrator::SecondOrder,
             contact_hertz: 60.0,
             contact_damping: 0.5,
             push_speed: 3.0,

@@ -31,6 +31,7 @@ const SETTINGS: Settings = Settings {
     rate: 60.0,
     substeps: 4,
     solver: Solver::SoftStep,
+    integrator: Integrator::SecondOrder,
     contact_hertz: 60.0,
     contact_damping: 0.5,
     push_speed: 3.0,

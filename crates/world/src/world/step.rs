@@ -76,7 +76,7 @@ impl World {
         if settings.continuous {
             starts.par_extend(&bodies.rotations);
         }
-        let plan = plan(settings);
+        let plan = plan(settings, report.step);
         let mut columns = bodies.solver_columns();
         let [solve_time, bounce_time] = match settings.solver {
             Solver::SoftStep => soft_step(contacts, &mut columns, *width, &plan),
@@ -133,8 +133,9 @@ fn surface(a: &Material, b: &Material) -> Surface {
     }
 }
 
-fn plan(settings: &Settings) -> Plan {
+fn plan(settings: &Settings, step: u64) -> Plan {
     Plan {
+        step,
         dt: 1.0 / settings.rate,
         substeps: settings.substeps,
         gravity: settings.gravity,
@@ -142,6 +143,7 @@ fn plan(settings: &Settings) -> Plan {
         damping: settings.contact_damping,
         push_speed: settings.push_speed,
         restitution_threshold: settings.restitution_threshold,
+        integrator: settings.integrator,
     }
 }
 
