@@ -4,6 +4,11 @@
 //! impulses and velocities. A point bounces if it approached faster than a threshold and was pressed at any time. Its share
 //! of normal impulse allows friction its share too: over fall and rebound together Coulomb's bound is μ (1 + e) m v.
 //!
+//! Where one that bounces touches others, what one contact gives another one takes away, so the sweep is repeated until little
+//! changes. Newton's law for all contacts at once, v⁺ ≥ −e v⁻ where none pulls and each that presses has equality, keeps the energy
+//! for e = 1 whoever touches whom: it changes by ½ Σ λ (v⁺ + v⁻) = 0. So from the second sweep on points take part that were pressed and
+//! did not hit: what parted at v⁻ > 0 may close at e v⁻, to bounce in the next step.
+//!
 //! Under a constant acceleration a, ½ w² − a s is conserved exactly, with the speed w and the gap s. A point that approaches at w₀ with a
 //! gap of s₀ hits at −√(w₀² − 2 a s₀), rebounds with e times that, and has √(w² + 2 a s) left where the step leaves it, s from the
 //! surface. So a perfectly elastic ball neither gains nor loses height, whatever the step and wherever in it the ball hits.
@@ -21,9 +26,13 @@ use crate::respond::Plan;
 use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, gather_drift, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Rounds over the points of a manifold.
 const ROUNDS: usize = 4;
+
+/// Velocities that change by less in a sweep are done: a share of the threshold, and no less than this, m/s.
+const CALM: (f32, f32) = (0.05, 1e-3);
 
 /// Gives every point that hit its share of the approach velocity back.
 pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan) {
@@ -34,8 +43,17 @@ pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, 
         Integrator::SemiImplicit => 0.5 * plan.h(),
         Integrator::SecondOrder => 0.0,
     };
-    let visit = Bounce { threshold: plan.restitution_threshold, gravity: plan.gravity, ahead };
-    sweep(contacts, columns, width, &Stay, &visit);
+    let threshold = plan.restitution_threshold;
+    let calm = CALM.1.max(CALM.0 * threshold);
+    let mut visit =
+        Bounce { threshold, gravity: plan.gravity, ahead, calm, all: false, stirred: AtomicBool::new(false) };
+    for _ in 0..plan.bounces {
+        sweep(contacts, columns, width, &Stay, &visit);
+        if !std::mem::take(visit.stirred.get_mut()) {
+            break;
+        }
+        visit.all = true;
+    }
 }
 
 struct Bounce {
@@ -45,6 +63,12 @@ struct Bounce {
     gravity: Vec3,
     /// Time by which velocities are ahead of places, s.
     ahead: f32,
+    /// Changes up to this don't count, m/s.
+    calm: f32,
+    /// Whether points take part that did not hit.
+    all: bool,
+    /// Whether a change counted.
+    stirred: AtomicBool,
 }
 
 impl Visit for Bounce {
@@ -91,9 +115,19 @@ impl Visit for Bounce {
             let leave_squared = restitution * restitution * hit_squared + (pull + pull) * distance;
             let rebound = leave_squared.max(zero).sqrt() - ahead;
             let rebound = (old - mass * (speed - rebound)).max(zero);
+            let still = if self.all {
+                let closing = (restitution * approach).max(zero);
+                (old - mass * (speed + closing)).max(zero)
+            } else {
+                old
+            };
             let hit = approach.lt(L::splat(token, -self.threshold));
-            let new = L::select(hit, L::select(zero.lt(peak), rebound, old), old);
+            let new = L::select(zero.lt(peak), L::select(hit, rebound, still), old);
             let new = L::select(zero.lt(restitution), new, old);
+            let change = (new - old).max(old - new);
+            if L::bits((mass * L::splat(token, self.calm)).lt(change)) != 0 {
+                self.stirred.store(true, Relaxed);
+            }
             store(new, &mut block.impulses[p], k);
             let j = normal.scale(new - old);
             a.push(-j, arm_a);

@@ -35,6 +35,8 @@ pub struct Plan {
     pub push_speed: f32,
     /// Contacts that close faster than this bounce, m/s.
     pub restitution_threshold: f32,
+    /// Sweeps of restitution, at most.
+    pub bounces: u32,
     /// How positions follow from velocities in free flight.
     pub integrator: Integrator,
     /// Number of the step, from any start.

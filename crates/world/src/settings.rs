@@ -16,6 +16,18 @@ pub enum Solver {
     Reflect,
 }
 
+/// Accuracy against speed, in one word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// Two sub-steps: for looking at.
+    Draft,
+    /// Four.
+    #[default]
+    Default,
+    /// Eight, contacts twice as stiff, and restitution until it is done.
+    Fine,
+}
+
 /// Settings of a [`World`](crate::World).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -38,6 +50,9 @@ pub struct Settings {
     pub push_speed: f32,
     /// Restitution acts on contacts that close faster than this, m/s.
     pub restitution_threshold: f32,
+    /// Sweeps of restitution, at most; it ends earlier where nothing bounces any more. One is enough for bodies that hit one by one. A heap of
+    /// elastic bodies that hits the ground keeps its energy with some forty, and may take four times as long for it while it bounces.
+    pub bounce_sweeps: u32,
     /// Bodies at rest fall asleep.
     pub sleeping: bool,
     /// A body is at rest when no point of it moves faster than this, m/s.
@@ -71,6 +86,7 @@ impl Default for Settings {
             contact_damping: 0.5,
             push_speed: 3.0,
             restitution_threshold: 1.0,
+            bounce_sweeps: 1,
             sleeping: true,
             sleep_speed: 0.05,
             sleep_time: 0.5,
@@ -79,6 +95,19 @@ impl Default for Settings {
             tiles_from: WORTH_TILES,
             threads: 0,
             lanes: 0,
+        }
+    }
+}
+
+impl Settings {
+    /// The defaults at a quality: sub-steps, stiffness of contacts, sweeps of restitution. `docs/performance.md` has what each costs, `rockfall
+    /// validate --only quality` what each buys.
+    pub fn of(quality: Quality) -> Self {
+        let default = Settings::default();
+        match quality {
+            Quality::Draft => Settings { substeps: 2, ..default },
+            Quality::Default => default,
+            Quality::Fine => Settings { substeps: 8, contact_hertz: 120.0, bounce_sweeps: 64, ..default },
         }
     }
 }

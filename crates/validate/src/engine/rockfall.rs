@@ -16,7 +16,7 @@ pub(super) struct Rockfall {
 
 impl Rockfall {
     pub(super) fn new(solver: Solver, terms: &Terms) -> Result<Self, Error> {
-        let Terms { gravity, rate, substeps, threshold, integrator, hertz, threads } = *terms;
+        let Terms { gravity, rate, substeps, threshold, sweeps, integrator, hertz, threads } = *terms;
         let settings = Settings {
             gravity,
             rate,
@@ -24,6 +24,7 @@ impl Rockfall {
             solver,
             restitution_threshold: threshold,
             integrator,
+            bounce_sweeps: sweeps,
             contact_hertz: hertz,
             sleeping: false,
             threads,

@@ -88,7 +88,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees, starts });
+            sweep(bodies, Surroundings { shapes, trees, starts }, settings.gravity);
         }
         clock.lap();
         if settings.sleeping {
@@ -102,7 +102,8 @@ impl World {
         report.colors = contacts.colors();
         report.split = contacts.split_bodies();
         report.serial = contacts.serial();
-        measure(report, sums, bodies, contacts, settings);
+        measure(report, sums, bodies, contacts, settings, self.handled);
+        self.handled = false;
         self.tell();
         clock.lap();
         self.report.times = clock.times();
@@ -143,6 +144,7 @@ fn plan(settings: &Settings, step: u64) -> Plan {
         damping: settings.contact_damping,
         push_speed: settings.push_speed,
         restitution_threshold: settings.restitution_threshold,
+        bounces: settings.bounce_sweeps,
         integrator: settings.integrator,
     }
 }
