@@ -251,6 +251,8 @@ function picture(now) {
     if (status?.playing) draw.extent = stage.extent();
   }
   if (!dirty && mix === draw.mix) return;
+  // A processor that draws has a simulation to run as well.
+  if (draw.software && now - measured < 40) return;
   dirty = mix < 1;
   draw.mix = mix;
   draw.draw(stage, camera, hands.string);
@@ -296,6 +298,7 @@ try {
   // As the browser has it.
 }
 panel.dark.checked = dark;
+document.body.classList.toggle('software', draw.software);
 theme();
 panel.toggle(innerWidth > 1000);
 requestAnimationFrame(picture);

@@ -54,7 +54,8 @@ export class Stage {
     } else if (kind === 3) {
       wire.meshes(data, this.table.meshes);
     } else if (kind === 4) {
-      wire.bodies(data, this.table);
+      // Rows mean other bodies now: what is known of the old ones is nothing to them.
+      if (wire.bodies(data, this.table)) this.slots = new Uint32Array();
       this.arrange();
     } else if (kind === 5) {
       this.lineCount = data.getUint32(4, true);

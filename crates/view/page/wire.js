@@ -77,13 +77,11 @@ export function meshes(data, known) {
   }
 }
 
-/** Rows, put behind those that are known. @param {DataView} data @param {Table} table */
+/** Rows, put behind those that are known; whether those are to be forgotten. @param {DataView} data @param {Table} table */
 export function bodies(data, table) {
   const first = data.getUint32(4, true), count = data.getUint32(8, true);
-  if (data.getUint32(12, true) === 1) {
-    table.count = 0;
-    table.meshes.length = 0;
-  }
+  const anew = data.getUint32(12, true) === 1;
+  if (anew) table.meshes.length = 0;
   const all = first + count;
   const mesh = new Uint32Array(all), scale = new Float32Array(3 * all), bits = new Uint32Array(all);
   mesh.set(table.mesh.subarray(0, first));
@@ -96,6 +94,7 @@ export function bodies(data, table) {
     bits[first + k] = data.getUint32(at + 16, true);
   }
   Object.assign(table, { mesh, scale, bits, count: all });
+  return anew;
 }
 
 /** Milliseconds after which a connection over which nothing comes is taken for dead. */

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::command::{Color, Mark};
 use crate::scenery::Scenery;
-use crate::wire::{Colors, Line, lines};
+use crate::wire::{Colors, Line, UNPAINTED, lines};
 use rockfall_math::Vec3;
 use rockfall_picture::{Legend, Sight, encode, ramp};
 use serde_json::{Value, json};
@@ -14,13 +14,10 @@ const MOST_LINES: usize = 200_000;
 /// Colours of the ramp that a legend shows.
 const STEPS: usize = 24;
 
-/// What a body has that is not there to be painted.
-const UNSEEN: [u8; 3] = [150, 150, 152];
-
 /// The colours of all rows.
 pub(crate) fn colors(sight: &Sight, by: Color, scenery: &Scenery) -> Result<Colors, Error> {
     let (painted, legend) = by.mode().paint(sight, None)?;
-    let mut colors = vec![UNSEEN; scenery.ids.len()];
+    let mut colors = vec![UNPAINTED; scenery.ids.len()];
     for (body, color) in sight.bodies.iter().zip(&painted) {
         if let Some(row) = scenery.row(body.id) {
             colors[row] = bytes(*color);

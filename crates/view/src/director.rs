@@ -29,6 +29,9 @@ const PATIENCE: Duration = Duration::from_millis(25);
 /// What is worked out for viewers takes at most one in so many parts of the time.
 const SHARE: u32 = 4;
 
+/// Steps that can be asked for at once.
+const MOST_STEPS: i64 = 100;
+
 /// Speeds of time that can be asked for.
 const SPEEDS: std::ops::RangeInclusive<f64> = 0.001..=100.0;
 
@@ -82,6 +85,7 @@ pub(crate) struct Director {
     paced: (Instant, u64),
     followed: Instant,
     stale: bool,
+    cameras: Option<Value>,
     details_stale: bool,
     details_due: Instant,
     status_stale: bool,
@@ -91,8 +95,10 @@ pub(crate) struct Director {
 impl Director {
     pub(crate) fn new(source: Source, saves: PathBuf) -> Self {
         let now = Instant::now();
+        let range = source.range();
         Director {
-            shown: source.range().first,
+            // A run that is being written is followed.
+            shown: if range.grows { range.last } else { range.first },
             source,
             saves,
             viewers: BTreeMap::new(),
@@ -106,6 +112,7 @@ impl Director {
             paced: (now, 0),
             followed: now,
             stale: true,
+            cameras: None,
             details_stale: true,
             details_due: now,
             status_stale: true,
@@ -159,7 +166,7 @@ impl Director {
     fn tick(&mut self) -> Result<(), Error> {
         let passed = self.clock.elapsed().as_secs_f64().min(0.1);
         self.clock = Instant::now();
-        if self.source.range().grows && self.followed.elapsed() >= FOLLOW {
+        if !self.viewers.is_empty() && self.source.range().grows && self.followed.elapsed() >= FOLLOW {
             self.followed = Instant::now();
             if self.source.follow()? {
                 self.status_stale = true;
@@ -279,12 +286,21 @@ impl Director {
                 let range = self.source.range();
                 if by > 0 && self.shown.saturating_add_signed(by) > range.last && self.source.live().is_some()
                 {
-                    self.go(by.unsigned_abs().min(100))?;
+                    if by > MOST_STEPS {
+                        let why = format!("{by} steps at once: expected {MOST_STEPS} at most");
+                        return Err(Error::Refused(why));
+                    }
+                    (0..by).try_for_each(|_| self.go(1))?;
                 } else {
                     self.show(self.shown.saturating_add_signed(by));
                 }
             }
-            Command::Seek { frame } => self.show(frame),
+            Command::Seek { frame } => {
+                self.show(frame);
+                if frame > self.source.range().last {
+                    return Ok(Some("so far it has not come yet: this is the newest frame".into()));
+                }
+            }
             Command::Speed { of } => {
                 if !SPEEDS.contains(&of) {
                     let (least, most) = (SPEEDS.start(), SPEEDS.end());
@@ -477,15 +493,13 @@ impl Director {
 
     /// What a viewer is told once.
     fn hello(&mut self) -> Value {
-        let cameras: Vec<Value> = self
-            .source
-            .cameras()
-            .iter()
-            .map(|(name, camera)| {
+        if self.cameras.is_none() {
+            let cameras = self.source.cameras().into_iter().map(|(name, camera)| {
                 let (eye, target) = (camera.eye.to_array(), camera.target.to_array());
                 json!({"name": name, "eye": eye, "target": target, "fov": camera.fov})
-            })
-            .collect();
+            });
+            self.cameras = Some(cameras.collect());
+        }
         json!({
             "is": "hello",
             "version": env!("CARGO_PKG_VERSION"),
@@ -493,7 +507,7 @@ impl Director {
             "live": self.source.live().is_some(),
             "rate": self.source.rate(),
             "origin": self.source.scenery().origin.to_array(),
-            "cameras": cameras,
+            "cameras": self.cameras,
             "stages": STAGES,
             "solvers": SOLVERS.map(|(name, _)| name),
             "colors": Color::NAMES,

@@ -46,12 +46,12 @@ impl Live {
     pub(crate) fn open(path: &Path, threads: usize) -> Result<Self, Error> {
         let mut scene = Scene::load(path)?;
         scene.settings.threads = threads;
-        Self::build(path, scene)
+        Self::build(path, scene, 0)
     }
 
-    fn build(path: &Path, scene: Scene) -> Result<Self, Error> {
+    fn build(path: &Path, scene: Scene, epoch: u32) -> Result<Self, Error> {
         let running = scene.build()?;
-        let scenery = Arc::new(lay_out(&running));
+        let scenery = Arc::new(lay_out(&running, epoch));
         let mut live = Live {
             path: path.to_owned(),
             cameras: scene.cameras(),
@@ -72,7 +72,8 @@ impl Live {
 
     /// The same scene from its start.
     pub(crate) fn reset(&mut self) -> Result<(), Error> {
-        *self = Self::build(&self.path, self.scene.clone())?;
+        let epoch = self.scenery.epoch + 1;
+        *self = Self::build(&self.path, self.scene.clone(), epoch)?;
         Ok(())
     }
 
@@ -263,7 +264,7 @@ impl Live {
 }
 
 /// The table of a world that has just been built.
-fn lay_out(running: &Running) -> Scenery {
+fn lay_out(running: &Running, epoch: u32) -> Scenery {
     let mut rows: Vec<Row> = running
         .body_table()
         .iter()
@@ -278,7 +279,9 @@ fn lay_out(running: &Running) -> Scenery {
         .map(|(shape, pose)| (shape.index(), pose))
         .collect();
     // A scene that is all poured has nobody at first; the sizes of what will come are better than nothing.
-    Scenery::new(world.shapes(), &rows, &places)
+    let mut scenery = Scenery::new(world.shapes(), &rows, &places);
+    scenery.epoch = epoch;
+    scenery
 }
 
 #[cfg(test)]

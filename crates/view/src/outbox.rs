@@ -108,7 +108,7 @@ impl Outbox {
         self.bell.notify_one();
     }
 
-    /// Nothing is sent after what is there now.
+    /// Nothing is sent after what is there now, and the reason, if there is anything to say.
     pub(crate) fn close(&self, why: &str) {
         self.change(|parcel| parcel.last = Some(why.to_owned()));
     }

@@ -26,6 +26,8 @@ pub(crate) struct Row {
 /// The table of bodies; rows are added at its end.
 #[derive(Clone, Debug)]
 pub(crate) struct Scenery {
+    /// Another one where rows no longer mean the same bodies.
+    pub(crate) epoch: u32,
     /// Where positions start from, metres.
     pub(crate) origin: DVec3,
     /// The grid at first.
@@ -49,6 +51,7 @@ enum Key {
 impl Default for Scenery {
     fn default() -> Self {
         Scenery {
+            epoch: 0,
             origin: DVec3::ZERO,
             grid: Grid { step: 1.0 },
             meshes: Vec::new(),

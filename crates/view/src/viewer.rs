@@ -42,7 +42,7 @@ pub(crate) fn serve(id: u64, stream: TcpStream, stage: &SyncSender<Order>) -> io
         listen(id, half, &outbox, stage);
         let _ = stage.send(Order::Leave(id));
     }
-    outbox.close("goodbye");
+    outbox.close("");
     // The other side may be gone without a word.
     let _ = stream.set_write_timeout(Some(Duration::from_millis(500)));
     let _ = sender.join();
@@ -148,8 +148,10 @@ fn send(stream: io::Result<TcpStream>, outbox: &Outbox) -> Result<(), Error> {
             socket.send(Message::binary(lines.to_vec()))?;
         }
         if let Some(why) = &parcel.last {
-            let text = json!({"is": "error", "text": why}).to_string();
-            socket.send(Message::text(text))?;
+            if !why.is_empty() {
+                let text = json!({"is": "error", "text": why}).to_string();
+                socket.send(Message::text(text))?;
+            }
             socket.close(None)?;
             socket.flush()?;
             return Ok(());
@@ -172,11 +174,7 @@ impl Known {
         let (mut meshes, mut bodies) = (0, 0);
         match &self.scenery {
             Some(known) if Arc::ptr_eq(known, now) => return messages,
-            Some(known)
-                if known.ids.len() <= now.ids.len()
-                    && now.ids[..known.ids.len()] == known.ids
-                    && known.origin == now.origin =>
-            {
+            Some(known) if known.epoch == now.epoch => {
                 (meshes, bodies) = (known.meshes.len(), known.bodies.len());
             }
             _ => (self.sent, self.colors) = (Sent::default(), SentColors::default()),

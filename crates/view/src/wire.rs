@@ -26,7 +26,7 @@
 //! A record is 12 bytes, and a run takes 4 at most below two million bodies: **at most 16 bytes for a body that moves**, beside the 32 of the message. A position is off by at most half a step on each axis,
 //! which is a 2²⁰-th of the width of what was there at first, or less; a rotation by at most 0.0025 rad.
 //!
-//! **2, colours.** 4: u32 records, 8: u32 n, 12: runs as above, then 3 bytes each: red, green, blue in sRGB.
+//! **2, colours.** 4: u32 records, 8: u32 n, 12: runs as above, then 3 bytes each: red, green, blue in sRGB. Rows that were never sent are grey, 150 each.
 //!
 //! **3, meshes.** 4: u32 number of the first one, 8: u32 count. For each: u32 kind (0 flat faces, 1 ball, 2 plane, 3 smooth), u32 corners, u32 triangles, f32 radius; then corners (3 f32), and where it is smooth
 //! their normals (3 f32), then triangles (3 u32).
@@ -42,7 +42,7 @@ mod record;
 mod runs;
 mod stage;
 
-pub use colors::{Colors, SentColors};
+pub use colors::{Colors, SentColors, UNPAINTED};
 pub use lines::{Line, lines};
 pub use moment::{HEAD, Moment, Sent};
 pub use record::{ABSENT, Grid, ROTATION_ERROR, Record};

@@ -13,6 +13,9 @@ pub struct Colors {
     pub legend: Arc<str>,
 }
 
+/// What a body has that nobody has painted.
+pub const UNPAINTED: [u8; 3] = [150; 3];
+
 /// What a viewer has been sent.
 #[derive(Debug, Default)]
 pub struct SentColors {
@@ -26,7 +29,7 @@ impl Colors {
     pub fn message(&self, sent: &mut SentColors) -> Option<Vec<u8>> {
         let mut values = Vec::new();
         let (runs, count) =
-            changed(&self.colors, &mut sent.colors, [0; 3], |color| values.extend_from_slice(&color));
+            changed(&self.colors, &mut sent.colors, UNPAINTED, |color| values.extend_from_slice(&color));
         if count == 0 {
             return None;
         }
