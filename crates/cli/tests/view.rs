@@ -1,5 +1,6 @@
 //! What `rockfall view` promises to those who call it. What the server and the page do is tested where they are.
 
+#[allow(dead_code, reason = "others send signals and read standard output")]
 mod common;
 
 use common::{Place, error, expect, wait_for};
