@@ -4,6 +4,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use rockfall::Solver;
 use rockfall_export::{Frames, Ids};
 use rockfall_picture::{ColorBy, Overlay, Quality};
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -37,6 +38,8 @@ pub(crate) enum Verb {
     Validate(ValidateArgs),
     /// Take pictures of a run, or of a scene that is simulated for them.
     Render(Box<RenderArgs>),
+    /// Show a scene that is simulated, or a run, on a page in the browser.
+    View(ViewArgs),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -253,6 +256,29 @@ pub(crate) struct RenderArgs {
     /// Print errors only.
     #[arg(long, short)]
     pub(crate) quiet: bool,
+}
+
+/// `rockfall view`.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// A scene, which is simulated as one looks, or the folder of a run, finished or still being written.
+    #[arg(value_name = "SCENE|RUN")]
+    pub(crate) path: PathBuf,
+    /// Port to listen at [default: one that is free].
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Address to listen at, such as 0.0.0.0 for all of this machine; others than this machine need the token that is printed then.
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1")]
+    pub(crate) host: IpAddr,
+    /// Open the page in the browser.
+    #[arg(long)]
+    pub(crate) open: bool,
+    /// Folder for scenes that are saved on the page.
+    #[arg(long, value_name = "DIR", default_value = "saved")]
+    pub(crate) saves: PathBuf,
+    /// Threads [default: as many as the machine has]. Never changes the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
 }
 
 /// Pixels across and down.

@@ -78,6 +78,17 @@ impl From<rockfall_picture::Error> for Failure {
     }
 }
 
+impl From<rockfall_view::Error> for Failure {
+    fn from(error: rockfall_view::Error) -> Self {
+        use rockfall_view::Error;
+        match error {
+            Error::Scene(error) => error.into(),
+            Error::Run(error) => error.into(),
+            other => Failure::Run(other.to_string()),
+        }
+    }
+}
+
 impl From<rockfall_export::Error> for Failure {
     fn from(error: rockfall_export::Error) -> Self {
         use rockfall_export::Error;

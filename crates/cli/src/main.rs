@@ -1,6 +1,6 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`render`], [`validate`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`render`], [`view`], [`validate`] and [`bench`]; what they share lies beside them.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -22,6 +22,7 @@ mod summary;
 mod units;
 mod validate;
 mod verify;
+mod view;
 
 use args::{Cli, Verb};
 use clap::Parser;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Verb::Export(args) => export::export(&args),
         Verb::Validate(args) => validate::validate(&args),
         Verb::Render(args) => render::render(&args),
+        Verb::View(args) => view::view(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

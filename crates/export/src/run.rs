@@ -52,6 +52,18 @@ impl Run {
         })
     }
 
+    /// Takes in what was written since it was opened, and tells whether that is anything: a run that is still being written is followed so.
+    ///
+    /// # Errors
+    /// Those of [`Run::open`]; it is left as it was.
+    pub fn refresh(&mut self) -> Result<bool, Error> {
+        let mut fresh = Run::open(&self.path)?;
+        let news = fresh.times != self.times || fresh.summary().status != self.summary().status;
+        fresh.inventory = std::mem::take(&mut self.inventory);
+        *self = fresh;
+        Ok(news)
+    }
+
     /// Its folder.
     pub fn path(&self) -> &Path {
         &self.path

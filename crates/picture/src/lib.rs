@@ -26,7 +26,7 @@ pub use error::Error;
 pub use image::Image;
 pub use legend::{Legend, Span, caption};
 pub use light::Air;
-pub use overlay::Overlay;
+pub use overlay::{Overlay, Stroke};
 pub use paint::ColorBy;
 pub use picture::Picture;
 pub use ramp::{hue, ramp, stone};

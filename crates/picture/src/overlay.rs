@@ -33,6 +33,29 @@ const PATH: [f32; 3] = [150.0, 255.0, 130.0];
 /// How much of what is behind something shines through.
 const BEHIND: f32 = 0.28;
 
+/// A straight line of an overlay; a dot where both ends are one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// Metres.
+    pub from: DVec3,
+    /// Metres.
+    pub to: DVec3,
+    /// In the pixels of a small picture; the diameter of a dot.
+    pub width: f64,
+    /// sRGB, each from 0 to 255.
+    pub color: [f32; 3],
+}
+
+impl Stroke {
+    fn line(from: DVec3, to: DVec3, width: f64, color: [f32; 3]) -> Self {
+        Stroke { from, to, width, color }
+    }
+
+    fn dot(at: DVec3, radius: f64, color: [f32; 3]) -> Self {
+        Stroke::line(at, at, 2.0 * radius, color)
+    }
+}
+
 impl Overlay {
     /// Draws it over the picture of `sight` that `camera` took.
     ///
@@ -51,60 +74,82 @@ impl Overlay {
             size: text_size(picture.height) as f64,
             picture,
         };
-        let usual = usual(sight);
+        self.strokes(sight)?.iter().for_each(|stroke| pen.draw(stroke));
+        Ok(())
+    }
+
+    /// What is drawn.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] where what is seen has no contacts.
+    pub fn strokes(self, sight: &Sight) -> Result<Vec<Stroke>, Error> {
+        let mut strokes = Vec::new();
         match self {
-            Overlay::Contacts | Overlay::Normals | Overlay::Impulses => self.contacts(&mut pen, sight, usual),
+            Overlay::Contacts | Overlay::Normals | Overlay::Impulses => return self.contacts(sight),
             Overlay::Bounds => {
                 for body in sight.bodies.iter().filter(|body| body.kind != Kind::Static) {
                     let Some(shape) = sight.shapes.get(body.shape as usize) else { continue };
                     // Far from the origin single precision is too coarse for a box.
                     let near = rockfall_math::Pose { position: DVec3::ZERO, ..body.pose };
-                    pen.bounds(body.pose.position, &shape.placed_bounds(&near));
+                    bounds(body.pose.position, &shape.placed_bounds(&near), &mut strokes);
                 }
-                Ok(())
             }
             Overlay::Centres => {
                 for body in sight.bodies.iter().filter(|body| body.kind == Kind::Dynamic) {
-                    pen.dot(body.center, 2.5, CENTRE);
+                    strokes.push(Stroke::dot(body.center, 2.5, CENTRE));
                 }
-                Ok(())
             }
             Overlay::Paths => {
                 for body in sight.bodies.iter().filter(|body| body.kind != Kind::Static) {
                     let Some(shape) = sight.shapes.get(body.shape as usize) else { continue };
                     let way = body.velocity.as_dvec3() * sight.step;
                     if way.length() > f64::from(shape.inner_radius()) {
-                        pen.line(body.center - way, body.center, 1.5, PATH);
-                        pen.dot(body.center, 2.0, PATH);
+                        strokes.push(Stroke::line(body.center - way, body.center, 1.5, PATH));
+                        strokes.push(Stroke::dot(body.center, 2.0, PATH));
                     }
                 }
-                Ok(())
             }
         }
+        Ok(strokes)
     }
 
-    fn contacts(self, pen: &mut Pen<'_>, sight: &Sight, usual: f64) -> Result<(), Error> {
+    fn contacts(self, sight: &Sight) -> Result<Vec<Stroke>, Error> {
         let contacts = match &sight.contacts {
             Ok(contacts) => contacts,
             Err(why) => return Err(Error::Unknown { what: "contacts", why: why.clone() }),
         };
+        let usual = usual(sight);
         let largest = contacts.forces.iter().copied().fold(0.0, f32::max);
         let points = contacts.positions.iter().zip(&contacts.normals).zip(&contacts.forces);
+        let mut strokes = Vec::new();
         for ((position, normal), force) in points {
             let at = sight.origin + Vec3::from_array(*position).as_dvec3();
             let normal = Vec3::from_array(*normal).as_dvec3();
             match self {
-                Overlay::Normals => pen.line(at, at + 0.5 * usual * normal, 1.0, NORMAL),
+                Overlay::Normals => strokes.push(Stroke::line(at, at + 0.5 * usual * normal, 1.0, NORMAL)),
                 Overlay::Impulses if largest > 0.0 => {
                     // On both sides alike: a force presses both bodies.
                     let half = usual * f64::from(force / largest).sqrt() * normal;
-                    pen.line(at - half, at + half, 1.5, IMPULSE);
+                    strokes.push(Stroke::line(at - half, at + half, 1.5, IMPULSE));
                 }
                 Overlay::Impulses => {}
-                _ => pen.dot(at, 2.0, CONTACT),
+                _ => strokes.push(Stroke::dot(at, 2.0, CONTACT)),
             }
         }
-        Ok(())
+        Ok(strokes)
+    }
+}
+
+/// The edges of a box.
+fn bounds(at: DVec3, area: &Aabb, strokes: &mut Vec<Stroke>) {
+    let corner = |k: u32| {
+        let pick = |axis: usize| if k >> axis & 1 == 0 { area.min[axis] } else { area.max[axis] };
+        at + Vec3::new(pick(0), pick(1), pick(2)).as_dvec3()
+    };
+    for k in 0..8_u32 {
+        for other in [1, 2, 4].map(|bit| k | bit).into_iter().filter(|&other| other != k) {
+            strokes.push(Stroke::line(corner(k), corner(other), 1.0, BOUNDS));
+        }
     }
 }
 
@@ -129,11 +174,7 @@ struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    fn dot(&mut self, at: DVec3, radius: f64, color: [f32; 3]) {
-        self.line(at, at, 2.0 * radius, color);
-    }
-
-    fn line(&mut self, a: DVec3, b: DVec3, width: f64, color: [f32; 3]) {
+    fn draw(&mut self, &Stroke { from: a, to: b, width, color }: &Stroke) {
         // One that begins behind the eye is left out: it is nothing that one looks at.
         let (Some((from, near)), Some((to, far))) = (self.frame.project(a), self.frame.project(b)) else {
             return;
@@ -145,17 +186,5 @@ impl Pen<'_> {
             let seen = depth.get(index).is_none_or(|&surface| distance <= 1.002 * f64::from(surface));
             Ink::new(color, if seen { 0.95 } else { BEHIND })
         });
-    }
-
-    fn bounds(&mut self, at: DVec3, area: &Aabb) {
-        let corner = |k: u32| {
-            let pick = |axis: usize| if k >> axis & 1 == 0 { area.min[axis] } else { area.max[axis] };
-            at + Vec3::new(pick(0), pick(1), pick(2)).as_dvec3()
-        };
-        for k in 0..8_u32 {
-            for other in [1, 2, 4].map(|bit| k | bit).into_iter().filter(|&other| other != k) {
-                self.line(corner(k), corner(other), 1.0, BOUNDS);
-            }
-        }
     }
 }

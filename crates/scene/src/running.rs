@@ -66,9 +66,36 @@ impl Running {
         &self.rows
     }
 
+    /// The world's names of the scene's materials, in the order of [`Scene::materials`](crate::Scene::materials).
+    pub fn materials(&self) -> &[MaterialId] {
+        &self.materials
+    }
+
     /// Bodies that have not been poured yet.
     pub fn waiting(&self) -> usize {
         self.pours.iter().zip(&self.emitted).map(|(p, n)| p.rows.len() - n).sum()
+    }
+
+    /// Adds a body that the scene does not have, with the id after the largest of the table, which it gets a row in. Its shape is one that the world was given after those of the scene, its
+    /// material one of the scene's. A checkpoint can't be loaded any more where it is missing.
+    ///
+    /// # Errors
+    /// Those of [`World::spawn`].
+    pub fn add(&mut self, body: Body) -> Result<BodyId, Error> {
+        let id = self.rows.iter().map(|row| row.id).max().map_or(1, |id| id.saturating_add(1));
+        let material = self.materials.iter().position(|known| *known == body.material).unwrap_or_default();
+        let row = BodyRow {
+            id,
+            name: body.name.clone(),
+            shape: body.shape.index(),
+            scale: 1.0,
+            kind: body.kind,
+            sensor: body.sensor,
+            material,
+        };
+        let id = self.world.spawn(Body { id: Some(BodyId(id)), ..body })?;
+        self.rows.push(row);
+        Ok(id)
     }
 
     /// Emits what is due before step `frame`, counted from 0, and says how many bodies that were. Those that find no

@@ -39,7 +39,7 @@ pub use rockfall_shape as shape;
 pub use rockfall_shape::Shape;
 pub use settings::{Integrator, Quality, Settings, Solver};
 pub use world::query::{Cast, CastHit, Filter, Lists, Movers, Penetration, PointHit, Ray, RayHit};
-pub use world::{Contact, MaterialId, ShapeId, World};
+pub use world::{Contact, MaterialId, ShapeId, Spring, World};
 
 /// The examples of the guide are tests.
 #[cfg(doctest)]

@@ -1,5 +1,6 @@
 //! The world: bodies, shapes, materials, and `step()`.
 
+mod change;
 mod check;
 pub(crate) mod query;
 mod read;
@@ -7,6 +8,8 @@ mod snapshot;
 mod spawn;
 mod step;
 mod watch;
+
+pub use change::Spring;
 
 use crate::bodies::{Bodies, State};
 use crate::events::{Events, Watch};

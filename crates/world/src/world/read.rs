@@ -77,6 +77,11 @@ impl World {
         });
     }
 
+    /// All shapes, by their ids.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
     /// Shape of each body, in the order of [`World::ids`].
     pub fn shapes_of_bodies(&self) -> Vec<ShapeId> {
         self.by_id(|row| ShapeId(self.bodies.shapes[row]))
