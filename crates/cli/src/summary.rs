@@ -185,11 +185,21 @@ fn peak_of(status: &str) -> Option<u64> {
 
 /// The summary for people.
 pub(crate) fn table(summary: &Summary) -> String {
+    let (mut text, facts) = facts(summary);
+    for (name, value) in facts {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\n  {name:<20} {value}");
+    }
+    text
+}
+
+/// A sentence about the run, and its figures by name.
+pub(crate) fn facts(summary: &Summary) -> (String, Vec<(String, String)>) {
     let (last, whole) = (&summary.last, &summary.whole);
     let seconds = |s: f64| units::time(Duration::try_from_secs_f64(s).unwrap_or_default());
     let count = |n: usize| units::count(n as u64);
-    let mut text = format!(
-        "{} {} after {} of {} frames: {} simulated in {} with {} threads, {} lanes\n",
+    let text = format!(
+        "{} {} after {} of {} frames: {} simulated in {} with {} threads, {} lanes",
         summary.scene,
         match summary.status {
             Status::Running => "running",
@@ -204,10 +214,8 @@ pub(crate) fn table(summary: &Summary) -> String {
         summary.threads,
         summary.lanes,
     );
-    let mut line = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {name:<20} {value}");
-    };
+    let mut facts = Vec::new();
+    let mut line = |name: &str, value: String| facts.push((name.to_owned(), value));
     line("bodies", format!("{}, {} awake", count(last.bodies), count(last.awake)));
     if last.frozen > 0 {
         line("frozen", format!("{}, their state was not finite", count(last.frozen)));
@@ -243,8 +251,7 @@ pub(crate) fn table(summary: &Summary) -> String {
         line(&format!("stage {stage}"), format!("{mean:>10.3} ms/step {share:5.1} %"));
     }
     line("hash", summary.hash.clone());
-    text.pop();
-    text
+    (text, facts)
 }
 
 #[cfg(test)]
