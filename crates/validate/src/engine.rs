@@ -1,6 +1,8 @@
 //! The engines, behind one face: what a case asks of them.
 
 #[cfg(feature = "peers")]
+mod box3d;
+#[cfg(feature = "peers")]
 mod rapier;
 mod rockfall;
 
@@ -21,6 +23,8 @@ pub enum EngineName {
     Reflect,
     /// Rapier, where it is built: the feature `peers`.
     Rapier,
+    /// Box3D, likewise.
+    Box3d,
 }
 
 /// Rockfall's three solvers, and peers.
@@ -28,22 +32,28 @@ pub(crate) const ALL: &[EngineName] = &EngineName::ALL;
 
 /// Those that know friction and restitution: `reflect` knows neither.
 pub(crate) const WITH_FRICTION: &[EngineName] =
-    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier];
+    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier, EngineName::Box3d];
 
 /// Those with Coulomb's law in impacts: `impulse` has another one.
-pub(crate) const WITH_COULOMB: &[EngineName] = &[EngineName::SoftStep, EngineName::Rapier];
+pub(crate) const WITH_COULOMB: &[EngineName] = &[EngineName::SoftStep, EngineName::Rapier, EngineName::Box3d];
 
 /// The default solver alone: the others don't claim what the case is about, or don't tell their forces.
 pub(crate) const DEFAULT: &[EngineName] = &[EngineName::SoftStep];
 
 impl EngineName {
     /// All.
-    pub const ALL: [EngineName; 4] =
-        [EngineName::SoftStep, EngineName::Impulse, EngineName::Reflect, EngineName::Rapier];
+    pub const ALL: [EngineName; 5] = [
+        EngineName::SoftStep,
+        EngineName::Impulse,
+        EngineName::Reflect,
+        EngineName::Rapier,
+        EngineName::Box3d,
+    ];
 
     /// Those that this build has.
     pub fn built() -> Vec<EngineName> {
-        let has = |name: &EngineName| *name != EngineName::Rapier || cfg!(feature = "peers");
+        let peer = |name: &EngineName| matches!(name, EngineName::Rapier | EngineName::Box3d);
+        let has = |name: &EngineName| !peer(name) || cfg!(feature = "peers");
         EngineName::ALL.into_iter().filter(has).collect()
     }
 
@@ -54,6 +64,7 @@ impl EngineName {
             EngineName::Impulse => "impulse",
             EngineName::Reflect => "reflect",
             EngineName::Rapier => "rapier",
+            EngineName::Box3d => "box3d",
         }
     }
 
@@ -65,8 +76,10 @@ impl EngineName {
             EngineName::Reflect => Solver::Reflect,
             #[cfg(feature = "peers")]
             EngineName::Rapier => return Ok(Box::new(rapier::Rapier::new(terms))),
+            #[cfg(feature = "peers")]
+            EngineName::Box3d => return Ok(Box::new(box3d::Box3d::new(terms)?)),
             #[cfg(not(feature = "peers"))]
-            EngineName::Rapier => return Err(Error::NotBuilt(self.name())),
+            EngineName::Rapier | EngineName::Box3d => return Err(Error::NotBuilt(self.name())),
         };
         Ok(Box::new(rockfall::Rockfall::new(solver, terms)?))
     }

@@ -39,6 +39,14 @@ pub enum Error {
         /// Kind of shape.
         shape: &'static str,
     },
+    /// A peer refuses what the case puts into it.
+    #[error("{engine}: {reason}")]
+    Peer {
+        /// Which engine.
+        engine: &'static str,
+        /// What it says.
+        reason: String,
+    },
     /// A peer is not in this build.
     #[error("this build has no {0}; build it with the cargo feature `peers`")]
     NotBuilt(&'static str),
