@@ -28,6 +28,7 @@ const FILM: Size = Size { width: 640, height: 360 };
 
 /// What the page has of its own.
 const STYLE: &str = "h2 { margin-top: 2.5rem }
+figure { width: min(100%, 37rem) }
 nav a { margin-right: 1rem }
 video, .sheet { width: 100%; max-width: 80rem; border-radius: 4px; background: #18181c }
 summary { cursor: pointer; color: light-dark(#555, #aaa) }

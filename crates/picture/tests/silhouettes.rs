@@ -34,7 +34,7 @@ fn march(shape: &Shape, pose: &Pose, from: DVec3, direction: DVec3) -> Result<f6
 
 #[test]
 fn silhouettes_and_depths_are_those_of_the_distance() {
-    // A height field is a sheet to rays and solid below it to points, so that its borders differ; `view/quilt.rs` compares its rays.
+    // A height field is a sheet to rays and solid below it to points, so that its borders differ; `view/solid.rs` compares its beams.
     let shapes = shapes().into_iter().filter(|shape| !matches!(shape, Shape::HeightField(_)));
     for (k, shape) in (0..).zip(shapes) {
         // Far away from the origin as near to it.

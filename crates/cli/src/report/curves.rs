@@ -69,7 +69,7 @@ pub(super) fn sections(run: &Run, table: &Table) -> Result<Vec<String>, Failure>
     add("Angular momentum", "kg m²/s", linear, 1.0, &angular);
     let deep = [("mean_penetration_m", "mean"), ("deepest_penetration_m", "deepest")];
     add("Penetration", "mm", Kind::Lines(Scale::Logarithmic), 1e3, &deep);
-    add("Bodies", "bodies", linear, 1.0, &[("bodies", "all"), ("awake", "awake")]);
+    add("Bodies", "", linear, 1.0, &[("bodies", "all"), ("awake", "awake")]);
     let touching =
         [("pairs", "pairs whose boxes overlap"), ("touching", "pairs that touch"), ("contacts", "contacts")];
     add("Contacts", "", linear, 1.0, &touching);

@@ -186,13 +186,12 @@ impl Hierarchy {
             }
             let mut distances = [0.0; WIDTH];
             squared.sqrt().store(&mut distances);
-            for lane in 0..WIDTH {
-                let child = node.children[lane];
+            for (lane, (&child, &distance)) in node.children.iter().zip(&distances).enumerate() {
                 if child == NONE || outside >> lane & 1 != 0 {
                     continue;
                 }
                 if child & ITEM != 0 {
-                    found.push((distances[lane], child & !ITEM));
+                    found.push((distance, child & !ITEM));
                 } else {
                     stack[height] = child;
                     height += 1;

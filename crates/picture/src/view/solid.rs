@@ -255,3 +255,80 @@ impl Patch {
         side(1).cross(side(2)).normalize_or(Vec3::Z)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LANES, View};
+    use super::*;
+    use crate::{Actor, Stage};
+    use rockfall_collide::{Ray, cast_ray};
+    use rockfall_math::hash::mix;
+    use rockfall_math::lanes::{Kernel, Width};
+    use rockfall_math::{DVec3, Pose};
+    use rockfall_shape::Shape;
+    use std::sync::Arc;
+
+    /// Beams at one shape, and what the engine says of the same rays: how many met it.
+    struct Compare<'a> {
+        view: &'a View<'a>,
+        shape: &'a Shape,
+    }
+
+    impl Kernel for Compare<'_> {
+        type Output = [usize; 2];
+
+        fn run<L: Lanes>(self, token: L::Token) -> [usize; 2] {
+            let share = |k: u64| (mix(k) >> 40) as f32 / (1 << 24) as f32 - 0.5;
+            let point =
+                |k: u64, size: Vec3| size * Vec3::new(share(3 * k), share(3 * k + 1), share(3 * k + 2));
+            let (mut met, mut differ) = (0, 0);
+            // At no other width are nodes read.
+            for k in (0..4000).filter(|_| L::WIDTH == LANES) {
+                let origin = point(2 * k, Vec3::new(50.0, 60.0, 30.0)) + Vec3::Z * 8.0;
+                let direction = point(2 * k + 1, Vec3::new(28.0, 32.0, 3.0)) - origin;
+                let max = if k % 3 == 0 { 0.9 } else { f32::INFINITY };
+                let found = self.view.first::<L>(token, &Beam::new(origin, direction, max));
+                let ray = Ray { origin: origin.as_dvec3(), direction: direction.as_dvec3(), max: max.into() };
+                match (found, cast_ray(self.shape, &ray, false)) {
+                    (Some(a), Some(b)) if (f64::from(a.t) - b.t).abs() < 1e-4 => {
+                        met += 1;
+                        assert!(a.normal.dot(b.normal).abs() > 0.999, "{a:?} {b:?}");
+                    }
+                    (None, None) => {}
+                    // Past a ridge or the border: one that is a millimetre to the side.
+                    _ => differ += 1,
+                }
+            }
+            [met, differ]
+        }
+    }
+
+    #[test]
+    fn beams_meet_what_the_rays_of_the_engine_meet() {
+        let heights = (0..61 * 43).map(|k| (mix(k) % 1000) as f32 * 0.003).collect();
+        let field = HeightField::new(61, 43, Vec2::new(0.5, 0.8), heights).expect("a height field");
+        let hull = Hull::from_points(
+            &(0..40)
+                .map(|k| {
+                    let [a, b, c] = [0, 1, 2].map(|i| (mix(3 * k + i + 77) % 1000) as f32 * 0.02 - 10.0);
+                    Vec3::new(a, b, 0.3 * c)
+                })
+                .collect::<Vec<Vec3>>(),
+        );
+        for (shape, least) in [
+            (Shape::HeightField(Arc::new(field)), 1000),
+            (Shape::Hull(Arc::new(hull.expect("a hull"))), 500),
+            (Shape::Box { half: Vec3::new(9.0, 7.0, 2.0) }, 500),
+            (Shape::Sphere { radius: 8.0 }, 500),
+        ] {
+            let pose = Pose::at(DVec3::ZERO);
+            let stage = Stage {
+                shapes: vec![shape.clone()],
+                actors: vec![Actor { shape: 0, pose, color: [0.5; 3], moves: true }],
+            };
+            let view = View::new(&stage, DVec3::ZERO);
+            let [met, differ] = Width::new(LANES).run(Compare { view: &view, shape: &shape });
+            assert!(met > least && differ < 8, "{}: {met}, {differ} differ", shape.name());
+        }
+    }
+}
