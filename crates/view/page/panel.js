@@ -66,6 +66,7 @@ export class Panel {
     element('title', HTMLElement).textContent = hello.title;
     document.title = `${hello.title} · Rockfall`;
     document.body.classList.toggle('recorded', !hello.live);
+    element('cost-title', HTMLElement).textContent = hello.live ? 'Time of a step' : 'State';
     const old = this.color.value;
     options(this.color, hello.colors);
     if (hello.colors.includes(old)) this.color.value = old;
