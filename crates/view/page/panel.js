@@ -180,7 +180,7 @@ export class Panel {
   show(status, fps) {
     this.status = status;
     const figures = [`${(status.bodies ?? 0).toLocaleString('en').replaceAll(',', ' ')} bodies`];
-    if (status.figures) figures.push(`${status.figures.awake.toLocaleString('en').replaceAll(',', ' ')} awake`);
+    if (status.figures && status.frame === status.present) figures.push(`${status.figures.awake.toLocaleString('en').replaceAll(',', ' ')} awake`);
     if (status.playing && status.pace > 0) figures.push(`${short(status.pace)}× real time`);
     if (fps > 0) figures.push(`${fps.toFixed(0)} pictures/s`);
     if (status.far) figures.push(`${status.far} too far away to be drawn`);
