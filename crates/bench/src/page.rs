@@ -5,36 +5,16 @@ use crate::compare::Line;
 use crate::{process, roofline, table};
 use rockfall_plot::{self as plot, Curve, Scale, Side, escape};
 
-const HEAD: &str = "<!doctype html>
-<html lang=\"en\">
-<meta charset=\"utf-8\">
-<meta name=\"viewport\" content=\"width=device-width\">
-<title>Rockfall beside its peers</title>
-<style>
-html { color-scheme: light dark }
-body { font: 15px/1.4 system-ui, sans-serif; color: light-dark(#222, #ddd); background: light-dark(#fff, #1b1b1b); max-width: 100rem; margin: 2rem auto; padding: 0 1rem }
-figure { display: inline-block; width: min(100%, 44rem); margin: 0 1rem 1rem 0 }
-figcaption { font-weight: 600 }
-svg { width: 100%; font: 12px system-ui, sans-serif; fill: currentColor }
-svg .grid { stroke: light-dark(#ddd, #444) }
-svg polyline, svg g path { stroke-width: 2 }
-svg .middle { text-anchor: middle }
-svg .end { text-anchor: end }
-div { overflow-x: auto }
-table { border-collapse: collapse }
-th, td { padding: .2rem .6rem; border-bottom: 1px solid light-dark(#ddd, #444); text-align: right; white-space: nowrap }
-th { white-space: normal; vertical-align: bottom }
-.text { text-align: left }
-</style>
-<h1>Rockfall beside its peers</h1>
+/// What the page has of its own: a wide table with long names.
+const STYLE: &str = "th { white-space: normal }
 ";
 
 /// The page: how the cost of a body changes with their number, a picture for each scene; how near the solver is to what memory
 /// allows, a picture of all; and the tables.
 pub(crate) fn html(roofs: &[Bandwidth], lines: &[Line], repeats: u32) -> String {
     let machine = escape(&process::machine());
-    let mut text =
-        format!("{HEAD}<p>{machine}, medians of {repeats} runs. Settled times unless said otherwise.</p>\n");
+    let mut text = plot::head("Rockfall beside its peers", STYLE);
+    text += &format!("<p>{machine}, medians of {repeats} runs. Settled times unless said otherwise.</p>\n");
     for scene in distinct(lines, |line| line.scene) {
         let of_scene: Vec<&Line> = lines.iter().filter(|line| line.scene == scene).collect();
         let picture = log_log("bodies", "µs per body and step", &curves(&of_scene));
@@ -54,7 +34,7 @@ pub(crate) fn html(roofs: &[Bandwidth], lines: &[Line], repeats: u32) -> String 
             &format!("<p>{}. Bytes are lower bounds: docs/performance.md.</p>\n", table::streaming(roofs));
         text += &table_of(&roofline::COLUMNS, read);
     }
-    text + "</html>\n"
+    text + plot::FOOT
 }
 
 /// Curves on logarithmic axes.
@@ -78,7 +58,7 @@ fn table_of<const N: usize>(
     };
     let head = cells("th", &columns.map(|(name, _)| name.to_owned()));
     let body: String = rows.into_iter().map(|row| cells("td", &row)).collect();
-    format!("<div><table>\n{head}{body}</table></div>\n")
+    format!("<div class=\"wide\"><table>\n{head}{body}</table></div>\n")
 }
 
 /// For each line that tells what it reads, an upright from the time of its solver to that of its step, over the time that a

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 /// Columns before those of the stages; units are part of the names.
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 31] = [
     "frame",
     "time_s",
     "bodies",
@@ -30,6 +30,15 @@ const COLUMNS: [&str; 22] = [
     "angular_momentum_x_kg_m2_s",
     "angular_momentum_y_kg_m2_s",
     "angular_momentum_z_kg_m2_s",
+    "support_x_N",
+    "support_y_N",
+    "support_z_N",
+    "weight_x_N",
+    "weight_y_N",
+    "weight_z_N",
+    "momentum_error",
+    "energy_gain_J",
+    "friction_use",
     "frozen",
 ];
 
@@ -67,7 +76,9 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
         r.potential_energy,
     );
     // Writing to a string cannot fail.
-    for value in r.momentum.iter().chain(&r.angular_momentum) {
+    let balance = [r.momentum_error, r.energy_gain, r.friction_use];
+    let vectors = [r.momentum, r.angular_momentum, r.support, r.weight, balance];
+    for value in vectors.as_flattened() {
         let _ = write!(line, ",{value}");
     }
     let _ = write!(line, ",{}", r.frozen);

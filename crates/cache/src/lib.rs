@@ -56,6 +56,6 @@ pub use seal::checksum;
 pub use sheet::NumberType;
 pub use start::Start;
 pub use state::{State, VelocityOf};
-pub use summary::{FORMAT, Final, Status, Summary, VERSION, Whole};
+pub use summary::{Breach, FORMAT, Final, Status, Summary, VERSION, Whole};
 pub use trajectory::Contents;
 pub use writer::{RunWriter, Written};

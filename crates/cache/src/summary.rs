@@ -71,6 +71,22 @@ pub struct Summary {
     pub last: Final,
     /// All steps.
     pub whole: Whole,
+    /// Invariants that were broken in some frame; see `docs/run.md`.
+    #[serde(default)]
+    pub broken: Vec<Breach>,
+}
+
+/// An invariant that was broken.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Breach {
+    /// `momentum`, `energy` or `friction`.
+    pub invariant: String,
+    /// In so many frames.
+    pub frames: u64,
+    /// The first of them.
+    pub first: u64,
+    /// The largest error of any frame, in the unit of its column of `frames.csv`.
+    pub worst: f64,
 }
 
 /// Figures of the last step.

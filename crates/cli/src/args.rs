@@ -40,6 +40,8 @@ pub(crate) enum Verb {
     Render(Box<RenderArgs>),
     /// Show a scene that is simulated, or a run, on a page in the browser.
     View(ViewArgs),
+    /// Write a page that shows a run: pictures, figures and curves.
+    Report(ReportArgs),
     /// Run the same scene in several engines, turn by turn, and compare time, memory and quality.
     #[cfg(feature = "bench")]
     Bench(Box<rockfall_bench::Options>),
@@ -81,6 +83,9 @@ pub(crate) struct RunArgs {
     /// Write nothing to disk.
     #[arg(long)]
     pub(crate) no_output: bool,
+    /// Make a film of it as well, NAME.mp4: of all frames, by the scene's first camera. `rockfall render` makes others of the run.
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["resume", "dry_run"])]
+    pub(crate) film: Option<PathBuf>,
     /// Steps to simulate [default: the scene's].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub(crate) frames: Option<u64>,
@@ -223,15 +228,58 @@ pub(crate) struct RenderArgs {
     /// Folder of a run, or a scene, which is simulated up to the frame and leaves no run behind.
     #[arg(value_name = "RUN|SCENE")]
     pub(crate) path: PathBuf,
-    /// Frames, both ends included: 7, 3..7, 3.. or ..7; a file for each [default: the last one].
-    #[arg(long, value_name = "N|A..B")]
+    /// Frames, both ends included: 7, 3..7, 3.. or ..7; a picture for each [default: the last one; all of them for a film or a contact sheet].
+    #[arg(long, visible_alias = "frames", value_name = "N|A..B")]
     pub(crate) frame: Option<Frames>,
-    /// Every so many frames of these.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) every: u64,
-    /// Pixels across and down.
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
-    pub(crate) size: Size,
+    /// Every so many frames of these [default: 1; for a film as many as leave 60 a second].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: Option<u64>,
+    /// Pixels across and down [default: 1280x720, for each picture of a contact sheet 480x270].
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<Size>,
+    /// What pictures look like.
+    #[command(flatten)]
+    pub(crate) look: LookArgs,
+    /// Pictures a second of a film [default: so many that it is as fast as the world].
+    #[arg(long, value_name = "N", value_parser = |text: &str| within(text, 0.001, 1000.0))]
+    pub(crate) fps: Option<f64>,
+    /// One picture of many moments, from the first frame to the last, in so many columns and rows.
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = grid, num_args = 0..=1, default_missing_value = "4x3")]
+    pub(crate) contact_sheet: Option<Grid>,
+    /// NAME.png, NAME.exr with light and depth, or the film NAME.mp4; what is there is replaced. The frame's number is put behind the name where there are many [default:
+    /// RUN-FRAME.png here].
+    #[arg(long, short, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+    /// Threads [default: as many as the machine has]. Never changes the result.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(crate) threads: Option<u16>,
+    /// Print errors only.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// `rockfall report`.
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// Folder of a run.
+    pub(crate) run: PathBuf,
+    /// The page; what is there is replaced [default: RUN.html here].
+    #[arg(long, short, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+    /// Put a film into the page in place of a contact sheet: this one, or one that is made for it.
+    #[arg(long, value_name = "NAME.mp4", num_args = 0..=1)]
+    pub(crate) film: Option<Option<PathBuf>>,
+    /// How much work goes into its pictures: draft, default or fine.
+    #[arg(long, value_name = "HOW", default_value = "default", value_parser = quality)]
+    pub(crate) quality: Quality,
+    /// Print errors only.
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+/// What pictures look like.
+#[derive(Debug, Args)]
+pub(crate) struct LookArgs {
     /// What colours tell.
     #[arg(long, value_name = "WHAT", default_value = "body", value_parser = color_by)]
     pub(crate) color_by: ColorBy,
@@ -247,15 +295,30 @@ pub(crate) struct RenderArgs {
     /// Write frame, time and number of bodies on the picture.
     #[arg(long)]
     pub(crate) caption: bool,
-    /// NAME.png, or NAME.exr with light and depth; what is there is replaced. The frame's number is put behind the name where there are many [default: RUN-FRAME.png here].
-    #[arg(long, short, value_name = "PATH")]
-    pub(crate) output: Option<PathBuf>,
-    /// Threads [default: as many as the machine has]. Never changes the result.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    pub(crate) threads: Option<u16>,
-    /// Print errors only.
-    #[arg(long, short)]
-    pub(crate) quiet: bool,
+    /// Blur what moves, as a shutter that is open for this share of the time from picture to picture; more than 0, at most 1.
+    #[arg(long, value_name = "SHARE", value_parser = |text: &str| within(text, 1e-3, 1.0))]
+    pub(crate) blur: Option<f64>,
+}
+
+/// What a film of `rockfall run` looks like: what one of `rockfall render` does where nobody says anything.
+impl Default for LookArgs {
+    fn default() -> Self {
+        LookArgs {
+            color_by: ColorBy::Body,
+            camera: None,
+            overlay: Vec::new(),
+            quality: Quality::Standard,
+            caption: false,
+            blur: None,
+        }
+    }
+}
+
+/// Columns and rows of a contact sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Grid {
+    pub(crate) columns: u32,
+    pub(crate) rows: u32,
 }
 
 /// `rockfall view`.
@@ -383,6 +446,13 @@ fn size(text: &str) -> Result<Size, String> {
     let sides = text.split_once('x').and_then(|(width, height)| side(width).zip(side(height)));
     let sides = sides.map(|(width, height)| Size { width, height });
     sides.ok_or_else(|| "expected WIDTHxHEIGHT, each from 16 to 16384, such as 1280x720".into())
+}
+
+fn grid(text: &str) -> Result<Grid, String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=100).contains(side));
+    let sides = text.split_once('x').and_then(|(columns, rows)| side(columns).zip(side(rows)));
+    let sides = sides.map(|(columns, rows)| Grid { columns, rows });
+    sides.ok_or_else(|| "expected COLUMNSxROWS, each from 1 to 100, such as 4x3".into())
 }
 
 /// One of some words.

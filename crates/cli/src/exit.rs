@@ -67,6 +67,16 @@ impl From<rockfall_cache::Error> for Failure {
     }
 }
 
+impl From<rockfall_film::Error> for Failure {
+    fn from(error: rockfall_film::Error) -> Self {
+        use rockfall_film::Error;
+        match error {
+            Error::Size { .. } | Error::Rate(_) => Failure::Usage(error.to_string()),
+            other => Failure::Run(other.to_string()),
+        }
+    }
+}
+
 impl From<rockfall_picture::Error> for Failure {
     fn from(error: rockfall_picture::Error) -> Self {
         use rockfall_picture::Error;

@@ -1,6 +1,7 @@
 //! The rockfall program: runs a scene file to a folder of results, and says what is in either.
 //!
-//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`render`], [`view`], [`validate`] and [`bench`]; what they share lies beside them.
+//! One file per verb: [`run`], [`info`], [`verify`], [`diff`], [`export`], [`render`], [`report`], [`view`], [`validate`] and [`bench`]; what they share lies beside
+//! them.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -9,14 +10,17 @@ mod diff;
 mod exit;
 mod export;
 mod extras;
+mod film;
 mod info;
 mod open;
 mod output;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod run;
 mod say;
+mod shots;
 mod stop;
 mod summary;
 mod units;
@@ -41,6 +45,7 @@ fn main() -> ExitCode {
         Verb::Validate(args) => validate::validate(&args),
         Verb::Render(args) => render::render(&args),
         Verb::View(args) => view::view(&args),
+        Verb::Report(args) => report::report(&args),
         Verb::Bench(args) => bench::bench(&args),
     };
     match done {

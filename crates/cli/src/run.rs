@@ -2,6 +2,7 @@
 
 use crate::args::RunArgs;
 use crate::exit::Failure;
+use crate::film::Recording;
 use crate::output::{self, Output};
 use crate::plan::Plan;
 use crate::progress::Progress;
@@ -39,9 +40,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 
     // Until here Ctrl-C ends the program in the ordinary way: there is nothing to save.
     let stop = Stop::listen("this step")?;
+    let film = args.film.as_deref().map(|path| Recording::start(path, &scene)).transpose()?;
     let output =
         if args.no_output { None } else { Some(Output::start(args, path, &scene, &running, &summary)?) };
-    Job { running, tally, output, summary, done: 0, frames: scene.frames }.finish(args, &stop)
+    Job { running, tally, output, summary, done: 0, frames: scene.frames, film }.finish(args, &stop)
 }
 
 /// Goes on with the run in a folder: from its last checkpoint, from the one before it where that can't be used, or from the start where there
@@ -72,8 +74,16 @@ fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
             Ok((tally, output)) => {
                 note(args, &format!("going on after frame {}", units::count(frame)));
                 let output = Some(output);
-                return Job { running, tally, output, summary, done: frame, frames: scene.frames }
-                    .finish(args, &stop);
+                return Job {
+                    running,
+                    tally,
+                    output,
+                    summary,
+                    done: frame,
+                    frames: scene.frames,
+                    film: None,
+                }
+                .finish(args, &stop);
             }
             // Told also where only errors are: it costs the frames since the checkpoint before.
             Err(Failure::Run(reason)) => say::error(&format!("Warning: {reason}")),
@@ -90,11 +100,11 @@ fn resume(args: &RunArgs, path: &Path, start: Instant) -> Result<(), Failure> {
     folder.clear()?;
     let tally = Tally::new(start.elapsed());
     let output = Some(Output::start_in(&folder, args, &scene, &running, &summary)?);
-    Job { running, tally, output, summary, done: 0, frames: scene.frames }.finish(args, &stop)
+    Job { running, tally, output, summary, done: 0, frames: scene.frames, film: None }.finish(args, &stop)
 }
 
 /// A run that is ready to go.
-struct Job {
+struct Job<'a> {
     running: Running,
     tally: Tally,
     output: Option<Output>,
@@ -103,9 +113,10 @@ struct Job {
     done: u64,
     /// Steps of the whole run.
     frames: u64,
+    film: Option<Recording<'a>>,
 }
 
-impl Job {
+impl Job<'_> {
     /// Does what is left, and says what came out.
     fn finish(mut self, args: &RunArgs, stop: &Stop) -> Result<(), Failure> {
         let folder = self.output.as_ref().map(|output| output.path().to_owned());
@@ -114,7 +125,7 @@ impl Job {
         let simulated = self.simulate(stop, &mut progress);
         progress.finish();
 
-        let Job { running, tally, output, mut summary, .. } = self;
+        let Job { running, tally, output, mut summary, film, .. } = self;
         let written = output.map_or(Ok(Written::default()), Output::finish).and_then(|written| {
             if let (Ok(_), Some(path)) = (&simulated, &folder) {
                 State::of(&running.world, running.world.report().step).write(&path.join(STATE))?;
@@ -141,12 +152,17 @@ impl Job {
             Checkpoint::remove_all(path)?;
         }
         show(args, &summary, folder);
-        ended(args, status, &summary.hash)
+        // The run is complete, whatever became of its film.
+        let filmed = film.map_or(Ok(()), |film| film.finish(args.quiet || args.json || args.hash));
+        ended(args, status, &summary.hash).and(filmed)
     }
 
     /// Steps until the end, or until somebody wants it to stop.
     fn simulate(&mut self, stop: &Stop, progress: &mut Progress) -> Result<Status, Failure> {
-        let Job { running, tally, output, .. } = self;
+        let Job { running, tally, output, film, .. } = self;
+        if let Some(film) = film {
+            film.frame(running, 0);
+        }
         for frame in self.done..self.frames {
             if stop.asked() {
                 if let Some(output) = output {
@@ -166,6 +182,9 @@ impl Job {
                 if frame + 1 < self.frames {
                     output.save(running, tally, frame + 1, false)?;
                 }
+            }
+            if let Some(film) = film {
+                film.frame(running, frame + 1);
             }
         }
         Ok(Status::Finished)

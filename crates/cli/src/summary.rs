@@ -3,8 +3,8 @@
 use crate::args::solver_name;
 use crate::units;
 use rockfall::snapshot::{self, Reader, Writer};
-use rockfall::{STAGES, StepReport};
-use rockfall_cache::{FORMAT, Final, Status, Summary, VERSION, Whole, checksum};
+use rockfall::{Invariant, STAGES, StepReport};
+use rockfall_cache::{Breach, FORMAT, Final, Status, Summary, VERSION, Whole, checksum};
 use rockfall_scene::Scene;
 use std::fmt::Write;
 use std::path::Path;
@@ -44,6 +44,8 @@ pub(crate) struct Tally {
     deepest: f32,
     most_contacts: usize,
     last: StepReport,
+    /// Of each of [`Invariant::ALL`] the frames that broke it, the first of them, and the largest error.
+    broken: [(u64, u64, f64); 3],
     /// What took time before a run went on: all of it but loading, and waiting for the disk.
     before: [Duration; 2],
 }
@@ -60,19 +62,24 @@ impl Tally {
             deepest: 0.0,
             most_contacts: 0,
             last: StepReport::default(),
+            broken: Default::default(),
             before: [Duration::ZERO; 2],
         }
     }
 
     /// Writes the figures so far; the simulation has waited for the disk for so long.
     pub(crate) fn save(&self, waited: Duration, to: &mut Writer<'_>) -> Result<(), snapshot::Error> {
-        let Tally { start, load, steps_ms, stages, body_steps, deepest, most_contacts, last: _, before } =
-            self;
+        #[rustfmt::skip]
+        let Tally {
+            start, load, steps_ms, stages, body_steps, deepest, most_contacts, last: _, broken, before,
+        } = self;
         let times = [*load, before[0] + start.elapsed(), before[1] + waited];
         to.column("tally.times_s", &times.map(|time| time.as_secs_f64()))?;
         to.column("tally.stages_s", &stages.map(|time| time.as_secs_f64()))?;
         to.column("tally.steps_ms", steps_ms)?;
         to.column("tally.counts", &[*body_steps, *most_contacts as u64])?;
+        to.column("tally.broken", &broken.map(|(frames, first, _)| [frames, first]).concat())?;
+        to.column("tally.worst", &broken.map(|(_, _, worst)| worst))?;
         to.one("tally.deepest_m", *deepest)
     }
 
@@ -83,7 +90,10 @@ impl Tally {
         let stages: Vec<f64> = from.column_of("tally.stages_s", STAGES.len())?;
         let steps_ms = from.column("tally.steps_ms")?;
         let counts: Vec<u64> = from.column_of("tally.counts", 2)?;
+        let broken: Vec<u64> = from.column_of("tally.broken", 6)?;
+        let worst: Vec<f64> = from.column_of("tally.worst", 3)?;
         Ok(Tally {
+            broken: std::array::from_fn(|i| (broken[2 * i], broken[2 * i + 1], worst[i])),
             stages: std::array::from_fn(|i| time(&stages[i])),
             steps_ms,
             body_steps: counts[0],
@@ -108,6 +118,15 @@ impl Tally {
         self.body_steps = self.body_steps.saturating_add(report.bodies as u64);
         self.deepest = self.deepest.max(report.deepest_penetration);
         self.most_contacts = self.most_contacts.max(report.contacts);
+        for (invariant, (frames, first, worst)) in Invariant::ALL.into_iter().zip(&mut self.broken) {
+            *worst = worst.max(report.error_of(invariant));
+            if report.breaks(invariant) {
+                *frames += 1;
+                if *frames == 1 {
+                    *first = report.step;
+                }
+            }
+        }
         self.last.clone_from(report);
     }
 
@@ -130,6 +149,10 @@ impl Tally {
             momentum_kg_m_s: last.momentum,
             angular_momentum_kg_m2_s: last.angular_momentum,
         };
+        let breach = |(invariant, &(frames, first, worst)): (Invariant, &(u64, u64, f64))| {
+            (frames > 0).then(|| Breach { invariant: invariant.name().into(), frames, first, worst })
+        };
+        summary.broken = Invariant::ALL.into_iter().zip(&self.broken).filter_map(breach).collect();
         let mut sorted = self.steps_ms.clone();
         sorted.sort_by(f32::total_cmp);
         summary.whole = Whole {
@@ -162,11 +185,21 @@ fn peak_of(status: &str) -> Option<u64> {
 
 /// The summary for people.
 pub(crate) fn table(summary: &Summary) -> String {
+    let (mut text, facts) = facts(summary);
+    for (name, value) in facts {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\n  {name:<20} {value}");
+    }
+    text
+}
+
+/// A sentence about the run, and its figures by name.
+pub(crate) fn facts(summary: &Summary) -> (String, Vec<(String, String)>) {
     let (last, whole) = (&summary.last, &summary.whole);
     let seconds = |s: f64| units::time(Duration::try_from_secs_f64(s).unwrap_or_default());
     let count = |n: usize| units::count(n as u64);
-    let mut text = format!(
-        "{} {} after {} of {} frames: {} simulated in {} with {} threads, {} lanes\n",
+    let text = format!(
+        "{} {} after {} of {} frames: {} simulated in {} with {} threads, {} lanes",
         summary.scene,
         match summary.status {
             Status::Running => "running",
@@ -181,13 +214,18 @@ pub(crate) fn table(summary: &Summary) -> String {
         summary.threads,
         summary.lanes,
     );
-    let mut line = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {name:<20} {value}");
-    };
+    let mut facts = Vec::new();
+    let mut line = |name: &str, value: String| facts.push((name.to_owned(), value));
     line("bodies", format!("{}, {} awake", count(last.bodies), count(last.awake)));
     if last.frozen > 0 {
         line("frozen", format!("{}, their state was not finite", count(last.frozen)));
+    }
+    for Breach { invariant, frames, first, worst } in &summary.broken {
+        let count = units::count(*frames);
+        line(
+            &format!("{invariant} broken"),
+            format!("in {count} frames from {first} on, at most {worst:.3e}"),
+        );
     }
     line("contacts", format!("{}, at most {}", count(last.contacts), count(whole.most_contacts)));
     line(
@@ -213,8 +251,7 @@ pub(crate) fn table(summary: &Summary) -> String {
         line(&format!("stage {stage}"), format!("{mean:>10.3} ms/step {share:5.1} %"));
     }
     line("hash", summary.hash.clone());
-    text.pop();
-    text
+    (text, facts)
 }
 
 #[cfg(test)]

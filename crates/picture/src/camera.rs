@@ -57,6 +57,12 @@ impl Camera {
         f64::from(sin) / f64::from(cos)
     }
 
+    /// The axes for a picture that is moved to the right and downwards by parts of a pixel.
+    pub(crate) fn shifted(&self, width: u32, height: u32, shift: [f64; 2]) -> Frame {
+        let frame = self.frame(width, height);
+        Frame { half: [frame.half[0] - shift[0], frame.half[1] - shift[1]], ..frame }
+    }
+
     pub(crate) fn frame(&self, width: u32, height: u32) -> Frame {
         let [right, up, forward] = self.axes();
         let pixel = 2.0 * self.half_height() / f64::from(height);

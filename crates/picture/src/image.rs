@@ -16,10 +16,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// Adds the light of another one of the same size, as much as its share; depths are the nearest.
-    pub(crate) fn add(&mut self, other: &Image, share: f32) {
+    /// Adds the light of another one of the same size; depths are the nearest.
+    pub(crate) fn add(&mut self, other: &Image) {
         for (sum, light) in self.light.iter_mut().zip(&other.light) {
-            *sum = (Vec3::from_array(*sum) + Vec3::from_array(*light) * share).to_array();
+            *sum = (Vec3::from_array(*sum) + Vec3::from_array(*light)).to_array();
         }
         for (depth, other) in self.depth.iter_mut().zip(&other.depth) {
             if *other < *depth {

@@ -5,10 +5,10 @@
 use rockfall_math::{DVec3, Vec3, trig};
 
 /// Towards the middle of the sun, not of unit length: late morning, in the west of south.
-const SUN: DVec3 = DVec3::new(-0.42, -0.62, 0.66);
+const SUN: Vec3 = Vec3::new(-0.42, -0.62, 0.66);
 
 /// Radius of the sun, radians: three times the real one, so that shadows are soft at the size of a picture.
-pub(crate) const SUN_RADIUS: f64 = 0.014;
+pub(crate) const SUN_RADIUS: f32 = 0.014;
 
 const SUN_LIGHT: Vec3 = Vec3::new(2.75, 2.45, 2.0);
 
@@ -55,13 +55,13 @@ impl Air {
 }
 
 /// Unit vector towards the middle of the sun.
-pub(crate) fn sun() -> DVec3 {
+pub(crate) fn sun() -> Vec3 {
     SUN.normalize()
 }
 
 /// How much the air towards the sun is brighter.
 fn glow(direction: DVec3) -> f32 {
-    let near = direction.dot(sun()).max(0.0) as f32;
+    let near = direction.as_vec3().dot(sun()).max(0.0);
     let near = near * near;
     near * near
 }
@@ -86,7 +86,7 @@ pub(crate) fn sky(direction: DVec3) -> Vec3 {
 
 /// What a surface sends to the eye: `color` is its share of the light, `sun_seen` and `sky_seen` the shares of sun and sky that it sees.
 pub(crate) fn shade(color: Vec3, normal: Vec3, to_eye: Vec3, sun_seen: f32, sky_seen: f32) -> Vec3 {
-    let sun = sun().as_vec3();
+    let sun = sun();
     let facing = normal.dot(sun).max(0.0);
     let upwards = 0.5 + 0.5 * normal.z;
     let around = GROUND_LIGHT.lerp(SKY_LIGHT, upwards) * (STRAY + (1.0 - STRAY) * sky_seen);

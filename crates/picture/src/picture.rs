@@ -3,7 +3,7 @@
 use crate::{Error, Image};
 use rockfall_math::hash::combine;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 /// Pixels in sRGB, row by row from the top.
@@ -32,16 +32,30 @@ impl Picture {
     pub fn write_png(&self, path: &Path) -> Result<(), Error> {
         let failed = |reason: String| Error::Write { path: path.to_owned(), reason };
         let file = File::create(path).map_err(|error| failed(error.to_string()))?;
-        let mut encoder = png::Encoder::new(BufWriter::new(file), self.width, self.height);
+        self.encode(BufWriter::new(file)).map_err(|error| failed(error.to_string()))
+    }
+
+    /// The bytes of a PNG file.
+    ///
+    /// # Errors
+    /// [`Error::Write`] for a picture without pixels.
+    pub fn to_png(&self) -> Result<Vec<u8>, Error> {
+        let mut bytes = Vec::new();
+        let failed =
+            |error: png::EncodingError| Error::Write { path: "a picture".into(), reason: error.to_string() };
+        self.encode(&mut bytes).map_err(failed)?;
+        Ok(bytes)
+    }
+
+    fn encode(&self, to: impl Write) -> Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(to, self.width, self.height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_compression(png::Compression::Balanced);
-        let written = encoder.write_header().and_then(|mut writer| {
-            writer.write_image_data(self.pixels.as_flattened())?;
-            writer.finish()
-        });
-        written.map_err(|error| failed(error.to_string()))
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        writer.finish()
     }
 }
 

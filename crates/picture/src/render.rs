@@ -8,17 +8,17 @@
 //!
 //! Each pixel depends on the stage and on pixels of earlier passes alone; so threads change nothing.
 
+mod bands;
 mod smooth;
 
 use crate::camera::Frame;
 use crate::light::{self, Air, SUN_RADIUS};
 use crate::sample::{Skies, Suns, across, hammersley};
-use crate::view::{Hit, View};
+use crate::view::{Beam, Hit, Tile, View};
 use crate::{Camera, Image, Stage};
-use rayon::prelude::*;
-use rockfall_collide::Ray;
+use bands::{Step, each};
+use rockfall_math::lanes::Lanes;
 use rockfall_math::{DVec3, Vec2, Vec3};
-use smooth::smooth;
 
 /// How much work goes into a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,6 +39,14 @@ impl Quality {
             Quality::Draft => [1, 1],
             Quality::Standard => [4, 2],
             Quality::Fine => [16, 8],
+        }
+    }
+
+    /// Of so many pixels in a row and so many rows one looks for sun and sky; the others take what it saw.
+    fn stride(self) -> u32 {
+        match self {
+            Quality::Draft => 2,
+            Quality::Standard | Quality::Fine => 1,
         }
     }
 
@@ -66,23 +74,21 @@ pub struct Shot {
 }
 
 /// What the middle of a pixel shows.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot {
+    /// Relative to the eye, metres.
+    place: Vec3,
     /// Distance from the eye; infinite where there is sky.
-    t: f64,
+    t: f32,
     normal: Vec3,
     actor: u32,
 }
 
 impl Spot {
-    const SKY: Spot = Spot { t: f64::INFINITY, normal: Vec3::ZERO, actor: u32::MAX };
-
-    fn of(hit: Option<Hit>) -> Self {
-        hit.map_or(Spot::SKY, |Hit { t, normal, actor }| Spot { t, normal, actor })
-    }
+    const SKY: Spot = Spot { place: Vec3::ZERO, t: f32::INFINITY, normal: Vec3::ZERO, actor: u32::MAX };
 
     fn is_sky(&self) -> bool {
-        self.t == f64::INFINITY
+        self.t == f32::INFINITY
     }
 }
 
@@ -93,12 +99,13 @@ struct Seen {
     sky: f32,
 }
 
-/// Pixels that one task takes at least.
-const GRAIN: usize = 256;
+impl Seen {
+    const ALL: Seen = Seen { sun: 1.0, sky: 1.0 };
+}
 
-/// How far a ray to the sky looks for what is in its way, in sizes of the usual actor, and at least as a share of the distance from the eye.
-const NEAR: f64 = 24.0;
-const NEAR_SHARE: f64 = 0.05;
+/// How far a beam to the sky looks for what is in its way, in sizes of the usual actor, and at least as a share of the distance from the eye.
+const NEAR: f32 = 24.0;
+const NEAR_SHARE: f32 = 0.05;
 
 /// Neighbours whose normals have at least this cosine between them lie on one surface.
 const SAME: f32 = 0.9;
@@ -108,26 +115,34 @@ const ALIKE: f32 = 0.6;
 
 /// A picture of a stage through a camera.
 pub fn render(stage: &Stage, camera: &Camera, shot: &Shot) -> Image {
+    render_at(stage, camera, shot, [0.0; 2])
+}
+
+/// The same with pixels moved to the right and downwards by parts of one.
+pub(crate) fn render_at(stage: &Stage, camera: &Camera, shot: &Shot, shift: [f64; 2]) -> Image {
     let (width, height) = (shot.width.max(1), shot.height.max(1));
     let view = View::new(stage, camera.eye);
     let [suns, skies] = shot.quality.rays();
     let pass = Pass {
         view: &view,
         stage,
-        frame: camera.frame(width, height),
+        frame: camera.shifted(width, height, shift),
         width,
         height,
         air: shot.air,
+        stride: shot.quality.stride(),
         suns: Suns::new(suns),
         skies: Skies::new(skies),
         places: shot.quality.places(),
     };
-    let spots = pass.each(|x, y| pass.spot(f64::from(x) + 0.5, f64::from(y) + 0.5));
-    let first = pass.each(|x, y| pass.look(&spots[pass.index(x, y)], pass.middle(x, y), x, y));
-    let raw = pass.each(|x, y| pass.look_again(&spots, &first, x, y));
-    let seen = pass.each(|x, y| smooth(&pass, &spots, &raw, x, y));
-    let light = pass.each(|x, y| pass.pixel(&spots, &seen, x, y).to_array());
-    Image { width, height, light, depth: spots.iter().map(|spot| spot.t as f32).collect() }
+    let spots = each(width, height, Spot::SKY, &First(&pass));
+    let mut raw = each(width, height, Seen::ALL, &Look { pass: &pass, spots: &spots });
+    if suns > 1 {
+        raw = each(width, height, Seen::ALL, &LookAgain { pass: &pass, spots: &spots, first: &raw });
+    }
+    let seen = each(width, height, Seen::ALL, &smooth::Smooth { pass: &pass, spots: &spots, raw: &raw });
+    let light = each(width, height, [0.0; 3], &Light { pass: &pass, spots: &spots, seen: &seen });
+    Image { width, height, light, depth: spots.iter().map(|spot| spot.t).collect() }
 }
 
 /// What all passes over the pixels know.
@@ -138,19 +153,126 @@ struct Pass<'a> {
     width: u32,
     height: u32,
     air: Air,
+    stride: u32,
     suns: Suns,
     skies: Skies,
     places: u32,
 }
 
-impl Pass<'_> {
-    /// Something of each pixel, row by row.
-    fn each<T: Send>(&self, f: impl Fn(u32, u32) -> T + Sync) -> Vec<T> {
-        let width = self.width as usize;
-        let pixels = (0..width * self.height as usize).into_par_iter();
-        pixels.with_min_len(GRAIN).map(|k| f((k % width) as u32, (k / width) as u32)).collect()
+/// What is in the middle of each pixel.
+struct First<'a>(&'a Pass<'a>);
+
+impl Step for First<'_> {
+    type Out = Spot;
+    type Tile = Tile;
+
+    #[inline(always)]
+    fn tile<L: Lanes>(&self, token: L::Token, low: [u32; 2], high: [u32; 2]) -> Tile {
+        self.0.tile::<L>(token, low, high)
     }
 
+    #[inline(always)]
+    fn at<L: Lanes>(&self, token: L::Token, tile: &Tile, x: u32, y: u32) -> Spot {
+        self.0.spot::<L>(token, tile, f64::from(x) + 0.5, f64::from(y) + 0.5)
+    }
+}
+
+/// What pixels see of sun and sky.
+struct Look<'a> {
+    pass: &'a Pass<'a>,
+    spots: &'a [Spot],
+}
+
+impl Step for Look<'_> {
+    type Out = Seen;
+    type Tile = ();
+
+    #[inline(always)]
+    fn tile<L: Lanes>(&self, _: L::Token, _: [u32; 2], _: [u32; 2]) {}
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, token: L::Token, (): &(), x: u32, y: u32) -> Seen {
+        let stride = self.pass.stride;
+        if !x.is_multiple_of(stride) || !y.is_multiple_of(stride) {
+            return Seen::ALL;
+        }
+        self.pass.look::<L>(token, &self.spots[self.pass.index(x, y)], x / stride, y / stride)
+    }
+}
+
+/// The same with more beams to the sun, where a neighbour sees more of it or less.
+struct LookAgain<'a> {
+    pass: &'a Pass<'a>,
+    spots: &'a [Spot],
+    first: &'a [Seen],
+}
+
+impl Step for LookAgain<'_> {
+    type Out = Seen;
+    type Tile = ();
+
+    #[inline(always)]
+    fn tile<L: Lanes>(&self, _: L::Token, _: [u32; 2], _: [u32; 2]) {}
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, token: L::Token, (): &(), x: u32, y: u32) -> Seen {
+        let LookAgain { pass, spots, first } = self;
+        let here = pass.index(x, y);
+        let (spot, seen) = (&spots[here], first[here]);
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let mut beside = around.filter_map(|(dx, dy)| pass.beside(x, y, dx, dy));
+        // The sky is no surface: what is before it need not be at the border of a shadow.
+        let differs = |(x, y): (u32, u32)| {
+            let index = pass.index(x, y);
+            !spots[index].is_sky() && first[index].sun != seen.sun
+        };
+        if spot.is_sky() || !beside.any(differs) {
+            return seen;
+        }
+        Seen { sun: pass.sun::<L>(token, spot, pass.suns.of(x, y)), ..seen }
+    }
+}
+
+/// The light of a pixel: that of its middle, or, at edges, of several places.
+struct Light<'a> {
+    pass: &'a Pass<'a>,
+    spots: &'a [Spot],
+    seen: &'a [Seen],
+}
+
+impl Step for Light<'_> {
+    type Out = [f32; 3];
+    type Tile = Tile;
+
+    #[inline(always)]
+    fn tile<L: Lanes>(&self, token: L::Token, low: [u32; 2], high: [u32; 2]) -> Tile {
+        self.pass.tile::<L>(token, low, high)
+    }
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, token: L::Token, tile: &Tile, x: u32, y: u32) -> [f32; 3] {
+        let Light { pass, spots, seen } = self;
+        let here = pass.index(x, y);
+        if pass.places == 0 || !pass.is_edge(spots, x, y) {
+            return pass.light(&spots[here], pass.middle(x, y), seen[here]).to_array();
+        }
+        let mut sum = Vec3::ZERO;
+        for k in 0..pass.places {
+            let (a, b) = hammersley(k, pass.places);
+            let (px, py) = (f64::from(x) + f64::from(a), f64::from(y) + f64::from(b));
+            let spot = pass.spot::<L>(token, tile, px, py);
+            let near = pass.lit_alike(spots, seen, &spot, x, y);
+            let seen = match near {
+                Some(seen) => seen,
+                None => pass.look::<L>(token, &spot, x + k, y + 2 * k),
+            };
+            sum += pass.light(&spot, pass.frame.direction(px, py), seen);
+        }
+        (sum / pass.places as f32).to_array()
+    }
+}
+
+impl Pass<'_> {
     fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }
@@ -160,68 +282,67 @@ impl Pass<'_> {
         self.frame.direction(f64::from(x) + 0.5, f64::from(y) + 0.5)
     }
 
-    fn spot(&self, x: f64, y: f64) -> Spot {
-        let ray = Ray { origin: DVec3::ZERO, direction: self.frame.direction(x, y), max: f64::INFINITY };
-        Spot::of(self.view.first(&ray))
+    /// What pixels from `low` up to `high` can show.
+    #[inline(always)]
+    fn tile<L: Lanes>(&self, token: L::Token, low: [u32; 2], high: [u32; 2]) -> Tile {
+        // A little wider than they are, so that rounding leaves nothing out.
+        let ([left, top], [right, bottom]) =
+            (low.map(|x| f64::from(x) - 0.02), high.map(|x| f64::from(x) + 0.02));
+        let edge = |x: f64, y: f64| self.frame.direction(x, y).as_vec3();
+        self.view
+            .tile::<L>(token, [edge(left, top), edge(right, top), edge(right, bottom), edge(left, bottom)])
     }
 
-    /// What a spot in a direction sees of the sky, and whether it sees the sun, by the rays of the pixel (x, y).
-    fn look(&self, spot: &Spot, direction: DVec3, x: u32, y: u32) -> Seen {
-        if spot.is_sky() {
-            return Seen { sun: 1.0, sky: 1.0 };
+    #[inline(always)]
+    fn spot<L: Lanes>(&self, token: L::Token, tile: &Tile, x: f64, y: f64) -> Spot {
+        let direction = self.frame.direction(x, y).as_vec3();
+        let beam = Beam::new(Vec3::ZERO, direction, f32::INFINITY);
+        match self.view.first_of::<L>(token, &beam, tile) {
+            Some(Hit { t, normal, actor }) => Spot { place: t * direction, t, normal, actor },
+            None => Spot::SKY,
         }
-        let origin = self.off(spot, direction);
-        let normal = spot.normal.as_dvec3();
-        let [side, other] = across(normal);
-        let max = (NEAR * f64::from(self.view.usual)).max(NEAR_SHARE * spot.t);
+    }
+
+    /// What a spot sees of the sky, and whether it sees the sun, by the beams of the pixel (x, y).
+    #[inline(always)]
+    fn look<L: Lanes>(&self, token: L::Token, spot: &Spot, x: u32, y: u32) -> Seen {
+        if spot.is_sky() {
+            return Seen::ALL;
+        }
+        let origin = self.off(spot);
+        let [side, other] = across(spot.normal);
+        let max = (NEAR * self.view.usual).max(NEAR_SHARE * spot.t);
         let mut open = 0;
         for d in self.skies.of(x, y) {
-            let direction = f64::from(d.x) * side + f64::from(d.y) * other + f64::from(d.z) * normal;
-            open += u32::from(!self.view.blocked(&Ray { origin, direction, max }));
+            let direction = d.x * side + d.y * other + d.z * spot.normal;
+            open += u32::from(!self.view.blocked::<L>(token, &Beam::new(origin, direction, max)));
         }
         Seen {
-            sun: self.sun(spot, origin, &self.suns.of(x, y)[..1]),
+            sun: self.sun::<L>(token, spot, &self.suns.of(x, y)[..1]),
             sky: open as f32 / self.skies.each() as f32,
         }
     }
 
-    /// The same with more rays to the sun, where a neighbour sees more of it or less.
-    fn look_again(&self, spots: &[Spot], first: &[Seen], x: u32, y: u32) -> Seen {
-        let here = self.index(x, y);
-        let (spot, seen) = (&spots[here], first[here]);
-        let points = self.suns.of(x, y);
-        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-        let mut beside = around.filter_map(|(dx, dy)| self.beside(x, y, dx, dy));
-        // The sky is no surface: what is before it need not be at the border of a shadow.
-        let differs = |(x, y): (u32, u32)| {
-            let index = self.index(x, y);
-            !spots[index].is_sky() && first[index].sun != seen.sun
-        };
-        if spot.is_sky() || points.len() == 1 || !beside.any(differs) {
-            return seen;
-        }
-        Seen { sun: self.sun(spot, self.off(spot, self.middle(x, y)), points), ..seen }
-    }
-
     /// A little off the surface at a spot, by more than the place is known to, so that it is not in its own shadow.
-    fn off(&self, spot: &Spot, direction: DVec3) -> DVec3 {
-        let slack = 2e-6 * spot.t + 1e-5 * f64::from(self.view.usual);
-        spot.t * direction + slack * spot.normal.as_dvec3()
+    fn off(&self, spot: &Spot) -> Vec3 {
+        let slack = 2e-6 * spot.t + 1e-5 * self.view.usual;
+        spot.place + slack * spot.normal
     }
 
     /// The share of the sun that a spot sees, by these points of its disc.
-    fn sun(&self, spot: &Spot, origin: DVec3, points: &[Vec2]) -> f32 {
+    #[inline(always)]
+    fn sun<L: Lanes>(&self, token: L::Token, spot: &Spot, points: &[Vec2]) -> f32 {
         let sun = light::sun();
-        if spot.normal.as_dvec3().dot(sun) <= 0.0 {
+        if spot.normal.dot(sun) <= 0.0 {
             return 0.0;
         }
-        let [side, other] = across(sun);
-        let free = points.iter().filter(|point| {
-            let [a, b] = [point.x, point.y].map(|v| SUN_RADIUS * f64::from(v));
-            let ray = Ray { origin, direction: sun + a * side + b * other, max: f64::INFINITY };
-            !self.view.blocked(&ray)
-        });
-        free.count() as f32 / points.len() as f32
+        let (origin, [side, other]) = (self.off(spot), across(sun));
+        let mut free = 0;
+        for point in points {
+            let direction = sun + SUN_RADIUS * (point.x * side + point.y * other);
+            free += u32::from(!self.view.blocked::<L>(token, &Beam::new(origin, direction, f32::INFINITY)));
+        }
+        free as f32 / points.len() as f32
     }
 
     /// The light that comes from a spot.
@@ -231,36 +352,16 @@ impl Pass<'_> {
         }
         let color = Vec3::from_array(self.stage.actors[spot.actor as usize].color);
         let light = light::shade(color, spot.normal, -direction.as_vec3(), seen.sun, seen.sky);
-        self.air.veil(light, direction, spot.t)
-    }
-
-    /// The light of a pixel: that of its middle, or, at edges, of several places.
-    fn pixel(&self, spots: &[Spot], seen: &[Seen], x: u32, y: u32) -> Vec3 {
-        let here = self.index(x, y);
-        if self.places == 0 || !self.is_edge(spots, x, y) {
-            return self.light(&spots[here], self.middle(x, y), seen[here]);
-        }
-        let mut sum = Vec3::ZERO;
-        for k in 0..self.places {
-            let (a, b) = hammersley(k, self.places);
-            let (px, py) = (f64::from(x) + f64::from(a), f64::from(y) + f64::from(b));
-            let direction = self.frame.direction(px, py);
-            let spot = self.spot(px, py);
-            let near = self.lit_alike(spots, seen, &spot, x, y);
-            let seen = near.unwrap_or_else(|| self.look(&spot, direction, x + k, y + 2 * k));
-            sum += self.light(&spot, direction, seen);
-        }
-        sum / self.places as f32
+        self.air.veil(light, direction, spot.t.into())
     }
 
     /// Whether a pixel shows another surface than one beside it.
     fn is_edge(&self, spots: &[Spot], x: u32, y: u32) -> bool {
         let here = &spots[self.index(x, y)];
-        let direction = self.middle(x, y);
         let beside = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| self.beside(x, y, dx, dy));
         beside.into_iter().flatten().any(|(x, y)| {
             let there = &spots[self.index(x, y)];
-            there.actor != here.actor || !(here.is_sky() || self.one_surface(here, direction, there, x, y))
+            there.actor != here.actor || !(here.is_sky() || self.one_surface(here, there))
         })
     }
 
@@ -270,21 +371,21 @@ impl Pass<'_> {
         (x < self.width && y < self.height).then_some((x, y))
     }
 
-    /// Whether the spot in a direction lies on the surface that the middle of the pixel (x, y) shows.
-    fn one_surface(&self, spot: &Spot, direction: DVec3, there: &Spot, x: u32, y: u32) -> bool {
-        if there.is_sky() || spot.is_sky() || spot.normal.dot(there.normal) < SAME {
+    /// Whether two spots lie on one surface.
+    fn one_surface(&self, here: &Spot, there: &Spot) -> bool {
+        if there.is_sky() || here.is_sky() || here.normal.dot(there.normal) < SAME {
             return false;
         }
-        let between = there.t * self.middle(x, y) - spot.t * direction;
+        let between = there.place - here.place;
         // Out of the plane of either by no more than a few pixels.
-        let off = |normal: Vec3| between.dot(normal.as_dvec3()).abs();
-        off(spot.normal).max(off(there.normal)) <= 2.0 * self.frame.pixel * spot.t
+        let off = |normal: Vec3| between.dot(normal).abs();
+        off(here.normal).max(off(there.normal)) <= 2.0 * self.frame.pixel as f32 * here.t
     }
 
     /// What was seen from the surface of a spot by the pixel or one beside it, if one of them shows it, or a side of the body that faces nearly the same way.
     fn lit_alike(&self, spots: &[Spot], seen: &[Seen], spot: &Spot, x: u32, y: u32) -> Option<Seen> {
         if spot.is_sky() {
-            return Some(Seen { sun: 1.0, sky: 1.0 });
+            return Some(Seen::ALL);
         }
         // The one that faces most nearly the same way; as many as face quite another way see something else.
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));

@@ -3,7 +3,7 @@
 //! Each pixel of a block of 4 × 4 has another sixteenth of the pattern, and a filter over as many pixels puts them together (Keller and Heidrich, "Interleaved
 //! Sampling", Rendering Techniques 2001).
 
-use rockfall_math::{DVec3, Vec2, Vec3, trig};
+use rockfall_math::{Vec2, Vec3, trig};
 use std::f32::consts::TAU;
 
 /// Pixels of a block, along each side.
@@ -93,10 +93,10 @@ pub(crate) fn on_disc(u: f32, v: f32) -> Vec2 {
 
 /// Two unit vectors across `n`, which has unit length. They change slowly but near z, where hardly anything is in the way of the sky: where they jump, neighbours
 /// don't have one whole pattern together.
-pub(crate) fn across(n: DVec3) -> [DVec3; 2] {
-    let level = DVec3::new(-n.y, n.x, 0.0);
+pub(crate) fn across(n: Vec3) -> [Vec3; 2] {
+    let level = Vec3::new(-n.y, n.x, 0.0);
     let length = level.length();
-    let side = if length > 1e-6 { level / length } else { DVec3::X };
+    let side = if length > 1e-6 { level / length } else { Vec3::X };
     [side, n.cross(side)]
 }
 
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn the_axes_are_at_right_angles() {
-        for n in [DVec3::Z, -DVec3::Z, DVec3::new(0.6, -0.48, 0.64), DVec3::new(1e-9, 0.0, -1.0)] {
+        for n in [Vec3::Z, -Vec3::Z, Vec3::new(0.6, -0.48, 0.64), Vec3::new(1e-9, 0.0, -1.0)] {
             let [a, b] = across(n);
             let off = [a.dot(b), a.dot(n), b.dot(n), a.length() - 1.0, b.length() - 1.0];
             // Near z they are off by as much as it.

@@ -1,5 +1,6 @@
 //! What is known of bodies at one moment, whether a world simulates them or a run has kept them.
 
+mod between;
 mod run;
 mod world;
 

@@ -1,10 +1,8 @@
 //! From what is known of a moment to a picture with everything on it.
 
 use crate::camera::Camera;
-use crate::sample::{hammersley, on_disc};
-use crate::{
-    Air, ColorBy, Error, Image, Overlay, Picture, Quality, Shot, Sight, Span, caption, render, tone,
-};
+use crate::expose::{Shutter, expose};
+use crate::{Air, ColorBy, Error, Image, Overlay, Picture, Quality, Shot, Sight, Span, caption, tone};
 
 /// What a picture is to look like.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,39 +37,30 @@ impl Default for Look {
     }
 }
 
-/// Places on the lens for a camera that has one.
-fn lens_places(quality: Quality) -> u32 {
-    match quality {
-        Quality::Draft => 8,
-        Quality::Standard => 24,
-        Quality::Fine => 96,
-    }
-}
-
 /// Takes a picture: the light alone, and the picture for a screen with legend, overlays and caption.
 ///
 /// # Errors
 /// [`Error::Unknown`] where what is seen does not tell what is to be shown.
 pub fn take(sight: &Sight, camera: &Camera, look: &Look) -> Result<(Image, Picture), Error> {
+    take_open(sight, &|_| Ok(*camera), look, None)
+}
+
+/// The same with a shutter that is open for a while, if there is one: what moves is blurred. `camera` tells where it is at a moment.
+///
+/// # Errors
+/// Those of [`take`] and of `camera`.
+pub fn take_open(
+    sight: &Sight,
+    camera: &dyn Fn(&Sight) -> Result<Camera, Error>,
+    look: &Look,
+    shutter: Option<Shutter>,
+) -> Result<(Image, Picture), Error> {
     let (colors, legend) = look.colors.paint(sight, look.span)?;
-    let stage = sight.stage(&colors);
-    let air = Air::beyond((camera.target - camera.eye).length());
+    let now = camera(sight)?;
+    let air = Air::beyond((now.target - now.eye).length());
     let shot = Shot { width: look.width, height: look.height, quality: look.quality, air };
-    let image = match camera.lens {
-        None => render(&stage, camera, &shot),
-        // A picture through a lens is the mean of pictures through its points (Haeberli and Akeley, "The accumulation buffer", SIGGRAPH 1990).
-        Some(_) => {
-            let places = lens_places(look.quality);
-            let through = |k: u32| {
-                let (u, v) = hammersley(k, places);
-                render(&stage, &camera.through(on_disc(u, v)), &shot)
-            };
-            let mut sum = through(0);
-            sum.light.iter_mut().for_each(|light| *light = light.map(|x| x / places as f32));
-            (1..places).for_each(|k| sum.add(&through(k), 1.0 / places as f32));
-            sum
-        }
-    };
+    let image = expose(sight, &colors, camera, &shot, shutter)?;
+    let camera = &now;
     let mut picture = tone(&image);
     for overlay in &look.overlays {
         overlay.draw(&mut picture, &image, camera, sight)?;

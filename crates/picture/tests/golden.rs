@@ -17,17 +17,17 @@ type Case = (&'static str, ColorBy, &'static [Overlay], u64);
 
 const CASES: [Case; 12] = [
     ("round", ColorBy::Body, &[], 0x6408_5c0b_03e3_7633),
-    ("flat", ColorBy::Material, &[], 0x25a6_e407_ed9c_cea9),
-    ("concave", ColorBy::Size, &[Overlay::Bounds], 0xb125_ca94_3f1d_1f40),
-    ("speed", ColorBy::Speed, &[Overlay::Paths], 0x92f4_9b21_ea65_f466),
-    ("force", ColorBy::Force, &[Overlay::Impulses], 0x4051_e0ad_f47d_f1a4),
-    ("sleep", ColorBy::Sleep, &[Overlay::Centres], 0x2e1c_daf4_958d_c9de),
-    ("island", ColorBy::Island, &[Overlay::Contacts], 0xd2e1_1259_3707_34ed),
-    ("penetration", ColorBy::Penetration, &[Overlay::Normals, Overlay::Contacts], 0xc788_fa05_9a94_7ea3),
-    ("lens", ColorBy::Body, &[], 0x4954_dfe8_de52_095c),
-    ("far", ColorBy::Body, &[], 0x08e0_7ff0_5de7_07f7),
-    ("draft", ColorBy::Body, &[], 0x91b8_aa7d_b1f9_8e6c),
-    ("fine", ColorBy::Body, &[], 0xf660_d7ca_adc7_fc47),
+    ("flat", ColorBy::Material, &[], 0xa92d_962d_e2ed_063d),
+    ("concave", ColorBy::Size, &[Overlay::Bounds], 0x7176_68a7_5152_ff8c),
+    ("speed", ColorBy::Speed, &[Overlay::Paths], 0xf92a_1057_af32_4cd4),
+    ("force", ColorBy::Force, &[Overlay::Impulses], 0x73b8_e4e0_ed03_b956),
+    ("sleep", ColorBy::Sleep, &[Overlay::Centres], 0x9daf_e7b2_f666_e8f5),
+    ("island", ColorBy::Island, &[Overlay::Contacts], 0x20ee_34bf_026a_54c3),
+    ("penetration", ColorBy::Penetration, &[Overlay::Normals, Overlay::Contacts], 0x0f79_f44b_bce7_7b3b),
+    ("lens", ColorBy::Body, &[], 0xddf6_be21_9275_91de),
+    ("far", ColorBy::Body, &[], 0x0bc3_5dc8_b54b_a32a),
+    ("draft", ColorBy::Body, &[], 0x43e6_e011_a9c1_27bb),
+    ("fine", ColorBy::Body, &[], 0x7f63_a860_f855_3f57),
 ];
 
 /// Bodies of these shapes in rows of `across`, on the ground.

@@ -1,10 +1,12 @@
-//! Curves as SVG text, for pages that need nothing else: the bench's and those of the validation.
+//! Curves as SVG text, and the head of pages that need nothing else: the bench's, those of the validation, and reports of runs.
 
 #![forbid(unsafe_code)]
 
 mod axis;
+mod page;
 
 pub use axis::Scale;
+pub use page::{FOOT, head};
 
 use axis::{Axis, label};
 use std::fmt::Write;
@@ -58,64 +60,128 @@ const LETTER: f64 = 6.6;
 pub fn picture(across: Side<'_>, up: Side<'_>, curves: &[Curve]) -> String {
     let shown = |&(x, y): &(f64, f64)| across.scale.shows(x) && up.scale.shows(y);
     let points = || curves.iter().flat_map(|curve| &curve.points).copied().filter(shown);
-    let horizontal = Axis::around(across.scale, points().map(|p| p.0), LEFT, WIDTH - RIGHT);
-    let vertical = Axis::around(up.scale, points().map(|p| p.1), HEIGHT - BOTTOM, TOP);
-    let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-
-    // Writing to a string can't fail.
-    let height = HEIGHT.max(TOP + 20.0 * (curves.len() + 1) as f64);
-    let longest = curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
-    let width = right + RIGHT.max(SAMPLE + LETTER * longest as f64);
-    let mut svg = format!("<svg viewBox=\"0 0 {width:.0} {height}\" role=\"img\">\n");
-    for tick in horizontal.ticks() {
-        let x = horizontal.place(tick);
-        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/>");
-        let _ = writeln!(
-            svg,
-            "<text x=\"{x:.1}\" y=\"{:.1}\" class=\"middle\">{}</text>",
-            bottom + 18.0,
-            label(tick)
-        );
-    }
-    for tick in vertical.ticks() {
-        let y = vertical.place(tick);
-        let _ = writeln!(svg, "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/>");
-        let _ = writeln!(
-            svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" class=\"end\">{}</text>",
-            LEFT - 8.0,
-            y + 4.0,
-            label(tick)
-        );
-    }
-    let _ = writeln!(
-        svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\" class=\"middle\">{}</text>\n\
-         <text transform=\"translate(16 {:.1}) rotate(-90)\" class=\"middle\">{}</text>",
-        0.5 * (LEFT + right),
-        HEIGHT - 8.0,
-        escape(across.name),
-        0.5 * (TOP + bottom),
-        escape(up.name)
-    );
+    let frame = Frame::around(across, up, points(), curves);
+    let mut svg = frame.begin(across, up);
     for (number, curve) in curves.iter().enumerate() {
         let colour = COLOURS[curve.colour % COLOURS.len()];
         let dashes = if curve.dashed { " stroke-dasharray=\"6 4\"" } else { "" };
-        let place = |(x, y): &(f64, f64)| (horizontal.place(*x), vertical.place(*y));
-        let mut points: Vec<(f64, f64)> = curve.points.iter().filter(|p| shown(p)).map(place).collect();
+        let mut points: Vec<(f64, f64)> =
+            curve.points.iter().filter(|p| shown(p)).map(|p| frame.place(*p)).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let line: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        // Writing to a string can't fail.
         let _ = writeln!(svg, "<g stroke=\"{colour}\" fill=\"{colour}\">");
-        let _ = writeln!(svg, "<polyline fill=\"none\" points=\"{}\"{dashes}/>", line.join(" "));
+        let _ = writeln!(svg, "<polyline fill=\"none\" points=\"{}\"{dashes}/>", joined(&points));
         for (x, y) in points.iter().filter(|_| curve.dots) {
             let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>");
         }
         let y = TOP + 10.0 + 20.0 * number as f64;
-        let _ = writeln!(svg, "<path d=\"M{} {y}h24\"{dashes}/>\n</g>", right + 12.0);
-        let name = escape(&curve.name);
-        let _ = writeln!(svg, "<text x=\"{}\" y=\"{}\">{name}</text>", right + SAMPLE, y + 4.0);
+        let _ = writeln!(svg, "<path d=\"M{} {y}h24\"{dashes}/>\n</g>", frame.right + 12.0);
+        frame.name(&mut svg, y, &curve.name);
     }
     svg + "</svg>\n"
+}
+
+/// Curves as areas on top of each other, the first at the bottom: what each adds to a sum. All have the same places across, in ascending order, and values that
+/// are not negative; what is no number adds nothing.
+pub fn areas(across: Side<'_>, up: Side<'_>, curves: &[Curve]) -> String {
+    let mut sums: Vec<(f64, f64)> =
+        curves.first().map_or_else(Vec::new, |curve| curve.points.iter().map(|p| (p.0, 0.0)).collect());
+    let mut tops = vec![sums.clone()];
+    for curve in curves {
+        for (sum, (_, y)) in sums.iter_mut().zip(&curve.points) {
+            sum.1 += if y.is_finite() { y.max(0.0) } else { 0.0 };
+        }
+        tops.push(sums.clone());
+    }
+    let ends = tops[0].iter().chain(&sums).copied();
+    let frame = Frame::around(across, up, ends, curves);
+    let mut svg = frame.begin(across, up);
+    // The topmost is the first in the legend, as in the picture.
+    for (number, (curve, pair)) in curves.iter().zip(tops.windows(2)).rev().enumerate() {
+        let colour = COLOURS[curve.colour % COLOURS.len()];
+        let border = pair[1].iter().chain(pair[0].iter().rev()).map(|p| frame.place(*p)).collect::<Vec<_>>();
+        let y = TOP + 10.0 + 20.0 * number as f64;
+        let (left, top) = (frame.right + 12.0, y - 6.0);
+        let _ = writeln!(
+            svg,
+            "<g fill=\"{colour}\"><polygon points=\"{}\"/><rect x=\"{left}\" y=\"{top}\" width=\"24\" height=\"12\"/></g>",
+            joined(&border)
+        );
+        frame.name(&mut svg, y, &curve.name);
+    }
+    svg + "</svg>\n"
+}
+
+fn joined(points: &[(f64, f64)]) -> String {
+    points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
+}
+
+/// The axes of a picture, and how large it is with its legend.
+struct Frame {
+    horizontal: Axis,
+    vertical: Axis,
+    right: f64,
+    size: [f64; 2],
+}
+
+impl Frame {
+    fn around(
+        across: Side<'_>,
+        up: Side<'_>,
+        points: impl Iterator<Item = (f64, f64)> + Clone,
+        curves: &[Curve],
+    ) -> Frame {
+        let longest = curves.iter().map(|curve| curve.name.chars().count()).max().unwrap_or(0);
+        let right = WIDTH - RIGHT;
+        Frame {
+            horizontal: Axis::around(across.scale, points.clone().map(|p| p.0), LEFT, right),
+            vertical: Axis::around(up.scale, points.map(|p| p.1), HEIGHT - BOTTOM, TOP),
+            right,
+            size: [
+                right + RIGHT.max(SAMPLE + LETTER * longest as f64),
+                HEIGHT.max(TOP + 20.0 * (curves.len() + 1) as f64),
+            ],
+        }
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.horizontal.place(x), self.vertical.place(y))
+    }
+
+    /// Grid, numbers and names of the axes.
+    fn begin(&self, across: Side<'_>, up: Side<'_>) -> String {
+        let (right, bottom) = (self.right, HEIGHT - BOTTOM);
+        let [width, height] = self.size;
+        let mut svg = format!("<svg viewBox=\"0 0 {width:.0} {height}\" role=\"img\">\n");
+        for tick in self.horizontal.ticks() {
+            let (x, y) = (self.horizontal.place(tick), bottom + 18.0);
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{x:.1} {TOP}V{bottom}\"/>");
+            let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"middle\">{}</text>", label(tick));
+        }
+        for tick in self.vertical.ticks() {
+            let (x, y) = (LEFT - 8.0, self.vertical.place(tick));
+            let _ = writeln!(svg, "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{right}\"/>");
+            let _ =
+                writeln!(svg, "<text x=\"{x:.1}\" y=\"{:.1}\" class=\"end\">{}</text>", y + 4.0, label(tick));
+        }
+        let _ = writeln!(
+            svg,
+            "<text x=\"{:.1}\" y=\"{:.1}\" class=\"middle\">{}</text>\n\
+             <text transform=\"translate(16 {:.1}) rotate(-90)\" class=\"middle\">{}</text>",
+            0.5 * (LEFT + right),
+            HEIGHT - 8.0,
+            escape(across.name),
+            0.5 * (TOP + bottom),
+            escape(up.name)
+        );
+        svg
+    }
+
+    /// A name in the legend.
+    fn name(&self, svg: &mut String, y: f64, name: &str) {
+        let _ =
+            writeln!(svg, "<text x=\"{}\" y=\"{}\">{}</text>", self.right + SAMPLE, y + 4.0, escape(name));
+    }
 }
 
 /// Text that may stand in HTML and SVG.
@@ -149,6 +215,26 @@ mod tests {
     #[test]
     fn the_colour_of_text_is_its_own() {
         assert_eq!(COLOURS.iter().position(|&c| c == TEXT), Some(OF_TEXT));
+    }
+
+    #[test]
+    fn areas_stand_on_each_other() {
+        let side = |name| Side { name, scale: Scale::Linear };
+        let first = curve(&[(0.0, 1.0), (1.0, 1.0)]);
+        let svg = areas(side("x"), side("y"), &[first, curve(&[(0.0, 2.0), (1.0, f64::NAN)])]);
+        let borders: Vec<Vec<f64>> = svg
+            .split("polygon points=\"")
+            .skip(1)
+            .map(|rest| rest.split('"').next().expect("an end"))
+            .map(|text| text.split([' ', ',']).map(|n| n.parse().expect("a number")).collect())
+            .collect();
+        // The last one first: its lower side, from right to left, is the upper side of the other.
+        assert_eq!(borders[0][4..8], [borders[1][2], borders[1][3], borders[1][0], borders[1][1]]);
+        // Heights of 1 and 3 at the left, of 1 and 1 at the right.
+        let height = |y: f64| borders[1][5] - y;
+        assert!((height(borders[0][1]) - 3.0 * height(borders[1][1])).abs() < 0.3);
+        assert_eq!(borders[0][3], borders[1][3]);
+        assert!(!svg.contains("NaN"));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::node::Table;
 use crate::shapes::SHAPES;
 use crate::spec::{ANY, Kinds, NOT_NEGATIVE, POSITIVE, Range, SHARE, Spec, Ty, key, optional};
 use crate::start::START;
-use rockfall::{Material, Mix, Settings, Solver};
+use rockfall::{Integrator, Material, Mix, Quality, Settings, Solver};
 
 /// A scene file.
 pub(crate) static ROOT: Spec = Spec {
@@ -64,6 +64,8 @@ static GENERATOR_KINDS: &Kinds = &GENERATORS;
 static CAMERA_KINDS: &Kinds = &CAMERAS;
 
 pub(crate) const SOLVERS: &[&str] = &["soft-step", "impulse", "reflect"];
+const QUALITIES: &[&str] = &["draft", "default", "fine"];
+pub(crate) const INTEGRATORS: &[&str] = &["second-order", "semi-implicit"];
 const RATE: Range = Range { min: 1.0, max: 100_000.0 };
 
 pub(crate) static WORLD: Spec = Spec {
@@ -82,7 +84,14 @@ substeps = 8
             "m/s². z is up. Where it is not given, that of the first of `[[imports]]` which has one.",
         ),
         key("rate", Ty::Number(RATE), "60", "Frames per second of simulated time."),
-        key("substeps", Ty::Int(1, 1000), "4", "Sub-steps in a frame."),
+        key(
+            "quality",
+            Ty::Choice(QUALITIES),
+            "\"default\"",
+            "Accuracy against speed: what `substeps`, `contact_hertz` and `bounce_sweeps` are where they are not given. `draft`: 2, 60, 1; `default`: 4, \
+             60, 1; `fine`: 8, 120, 64.",
+        ),
+        optional("substeps", Ty::Int(1, 1000), "Sub-steps in a frame; 4 at default quality."),
         key(
             "solver",
             Ty::Choice(SOLVERS),
@@ -90,13 +99,19 @@ substeps = 8
             "How contacts are answered: `soft-step` carries large piles; `impulse` and `reflect` are the two responses \
              of the report.",
         ),
+        key(
+            "integrator",
+            Ty::Choice(INTEGRATORS),
+            "\"second-order\"",
+            "`soft-step`: how bodies in free flight move. `second-order` is exact under gravity; `semi-implicit` Euler is ½ g h off for each second, \
+             h the length of a sub-step.",
+        ),
         optional("duration", Ty::Number(POSITIVE), "Simulated time, s; another way to say `frames`."),
         optional("frames", Ty::Int(1, 1_000_000_000), "Frames to simulate. 300 where neither is given."),
         key("seed", Ty::Int(0, u64::MAX), "1", "All random numbers of the scene come from it."),
-        key(
+        optional(
             "contact_hertz",
             Ty::Number(POSITIVE),
-            "60",
             "`soft-step`: natural frequency of the position correction, Hz; never used above a quarter of the rate of the sub-steps.",
         ),
         key(
@@ -111,6 +126,11 @@ substeps = 8
             Ty::Number(NOT_NEGATIVE),
             "1",
             "Contacts that close more slowly than this don't bounce, m/s.",
+        ),
+        optional(
+            "bounce_sweeps",
+            Ty::Int(1, 10_000),
+            "`soft-step`: sweeps of restitution, at most. One does for bodies that hit one by one; heaps of elastic bodies want more.",
         ),
         key("sleeping", Ty::Bool, "true", "Bodies at rest fall asleep and cost nothing."),
         key(
@@ -266,16 +286,30 @@ friction_mix = "minimum"
 
 /// The settings of `[world]`, with as many threads and lanes as the machine has.
 pub(crate) fn settings(world: &Table) -> Settings {
+    let base = Settings::of(match world.text("quality") {
+        "draft" => Quality::Draft,
+        "fine" => Quality::Fine,
+        _ => Quality::Default,
+    });
+    let whole = |key, otherwise: u32| if world.has(key) { world.int(key) as u32 } else { otherwise };
     Settings {
         gravity: world.vec3("gravity"),
         rate: world.f32("rate"),
-        substeps: world.int("substeps") as u32,
+        substeps: whole("substeps", base.substeps),
+        bounce_sweeps: whole("bounce_sweeps", base.bounce_sweeps),
         solver: match world.text("solver") {
             "impulse" => Solver::Impulse,
             "reflect" => Solver::Reflect,
             _ => Solver::SoftStep,
         },
-        contact_hertz: world.f32("contact_hertz"),
+        integrator: match world.text("integrator") {
+            "semi-implicit" => Integrator::SemiImplicit,
+            _ => Integrator::SecondOrder,
+        },
+        contact_hertz: match world.has("contact_hertz") {
+            true => world.f32("contact_hertz"),
+            false => base.contact_hertz,
+        },
         contact_damping: world.f32("contact_damping"),
         push_speed: world.f32("push_speed"),
         restitution_threshold: world.f32("restitution_threshold"),
@@ -283,7 +317,7 @@ pub(crate) fn settings(world: &Table) -> Settings {
         sleep_speed: world.f32("sleep_speed"),
         sleep_time: world.f32("sleep_time"),
         continuous: world.bool("continuous"),
-        ..Settings::default()
+        ..base
     }
 }
 
@@ -347,5 +381,21 @@ mod tests {
         let scene = Scene::parse(text, "x", ".").unwrap();
         assert_eq!(scene.settings, Settings::default());
         assert_eq!(scene.plan().unwrap().materials, [Material::default(), Material::default()]);
+    }
+
+    #[test]
+    fn a_quality_is_what_is_not_given() {
+        let parse = |text: &str| Scene::parse(text, "x", ".").unwrap_or_else(|error| panic!("{error}"));
+        let body = "[shapes.ball]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"ball\"\n";
+        for (word, quality) in
+            [("draft", Quality::Draft), ("default", Quality::Default), ("fine", Quality::Fine)]
+        {
+            let scene = parse(&format!("[world]\nquality = \"{word}\"\n{body}"));
+            assert_eq!(scene.settings, Settings::of(quality));
+            assert_eq!(parse(&scene.to_toml_filled()).settings, scene.settings);
+        }
+        let scene = parse(&format!("[world]\nquality = \"fine\"\nsubsteps = 5\ncontact_hertz = 30\n{body}"));
+        let given = Settings { substeps: 5, contact_hertz: 30.0, ..Settings::of(Quality::Fine) };
+        assert_eq!(scene.settings, given);
     }
 }

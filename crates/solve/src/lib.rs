@@ -16,6 +16,7 @@ pub mod desk;
 pub mod drift;
 mod effective;
 pub mod follow;
+pub mod forces;
 pub mod impulse;
 pub mod iterate;
 pub mod line;

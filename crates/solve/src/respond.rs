@@ -4,7 +4,7 @@ use crate::advance::{Stay, advance};
 use crate::block::{Block, LANES, get3};
 use crate::bounce::bounce;
 use crate::contacts::Contacts;
-use crate::drift::Transform;
+use crate::drift::{Integrator, Transform};
 use crate::impulse::{contact_matrix, response};
 use crate::iterate::{relax, solve};
 use crate::line::{Columns, Drift, Line};
@@ -35,12 +35,24 @@ pub struct Plan {
     pub push_speed: f32,
     /// Contacts that close faster than this bounce, m/s.
     pub restitution_threshold: f32,
+    /// Sweeps of restitution, at most.
+    pub bounces: u32,
+    /// How positions follow from velocities in free flight.
+    pub integrator: Integrator,
+    /// Number of the step, from any start.
+    pub step: u64,
 }
 
 impl Plan {
     /// Length of a sub-step, s.
     pub fn h(&self) -> f32 {
         self.dt / self.substeps as f32
+    }
+
+    /// Pushes before sub-step `i`, with so many in each. The count may start again: it matters from one push to the next only.
+    fn pushes(&self, i: u32, each: u32) -> u32 {
+        let substeps = self.step.wrapping_mul(u64::from(self.substeps)).wrapping_add(u64::from(i));
+        (substeps.wrapping_mul(u64::from(each)) % (1 << 20)) as u32
     }
 }
 
@@ -62,23 +74,24 @@ pub fn soft_step(
         two_sided: Softness::new(hertz, plan.damping, h),
         one_sided: Softness::new(2.0 * hertz, plan.damping, h),
     };
+    let transform = Transform::new(h, plan.gravity, plan.integrator);
     contacts.clear_totals();
     for i in 0..plan.substeps {
-        let push = Push { gravity: plan.gravity, h, first: i == 0 };
+        let push = Push { gravity: plan.gravity, h, first: i == 0, count: plan.pushes(i, 1) };
         if push.first {
             warm(contacts, columns, width, &push);
             solve(contacts, columns, width, &Stay, &step);
         } else {
             solve(contacts, columns, width, &push, &step);
         }
-        relax(contacts, columns, width, &Transform { h }, &step);
+        relax(contacts, columns, width, &transform, &step);
         // The last one's impulses are those after the bounce.
         if i + 1 < plan.substeps {
             contacts.add_up();
         }
     }
     let solved = Instant::now();
-    bounce(contacts, columns, width, plan.restitution_threshold, plan.gravity, h);
+    bounce(contacts, columns, width, plan);
     contacts.add_up();
     [solved - start, solved.elapsed()]
 }
@@ -109,17 +122,19 @@ fn simple_step<R: Respond>(
     let start = Instant::now();
     // Half of gravity before the response and half after it: so the velocities that respond belong to the same time as the
     // places, and a perfectly elastic bounce neither gains nor loses height (see `bounce`).
-    let half = Push { gravity: plan.gravity, h: 0.5 * plan.h(), first: false };
+    let half = Push { gravity: plan.gravity, h: 0.5 * plan.h(), first: false, count: 0 };
+    let transform = Transform::new(plan.h(), plan.gravity, Integrator::SemiImplicit);
     for i in 0..plan.substeps {
-        advance(columns, &Push { first: i == 0, ..half });
+        let count = plan.pushes(i, 2);
+        advance(columns, &Push { first: i == 0, count, ..half });
         forget(columns);
         for iteration in 0..ITERATIONS {
             let visit = Simple { respond, separate: iteration == 0 };
             sweep(contacts, columns, Width::Scalar, &Stay, &visit);
         }
         forget(columns);
-        advance(columns, &half);
-        advance(columns, &Transform { h: plan.h() });
+        advance(columns, &Push { count: count + 1, ..half });
+        advance(columns, &transform);
         forget(columns);
     }
     [start.elapsed(), Duration::ZERO]

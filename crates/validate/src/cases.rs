@@ -5,6 +5,7 @@ mod flight;
 mod friction;
 mod grains;
 mod impact;
+mod quality;
 mod simbenchmark;
 mod statics;
 mod threshold;
@@ -13,7 +14,7 @@ use crate::case::Case;
 
 /// All cases, in the order of the report.
 pub fn cases() -> Vec<Case> {
-    let groups: [&[Case]; 7] = [
+    let groups: [&[Case]; 8] = [
         &simbenchmark::CASES,
         &flight::CASES,
         &friction::CASES,
@@ -21,6 +22,7 @@ pub fn cases() -> Vec<Case> {
         &statics::CASES,
         &grains::CASES,
         &consistency::CASES,
+        &[quality::CASE],
     ];
     groups.concat()
 }

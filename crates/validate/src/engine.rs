@@ -6,7 +6,7 @@ mod rockfall;
 
 use crate::Error;
 use ::rockfall::math::{DVec3, Pose, Vec3};
-use ::rockfall::{Kind, Mix, Shape, Solver};
+use ::rockfall::{Integrator, Kind, Mix, Quality, Settings, Shape, Solver};
 use serde::Serialize;
 
 /// Which engine.
@@ -83,6 +83,10 @@ pub(crate) struct Terms {
     pub(crate) substeps: u32,
     /// Contacts that close faster than this bounce, m/s.
     pub(crate) threshold: f32,
+    /// Sweeps of restitution, at most, in Rockfall.
+    pub(crate) sweeps: u32,
+    /// How bodies fly, in Rockfall.
+    pub(crate) integrator: Integrator,
     /// Natural frequency of Rockfall's contacts, Hz.
     pub(crate) hertz: f32,
     /// Threads, 0 for as many as the machine has.
@@ -96,12 +100,20 @@ impl Terms {
         rate: 1000.0,
         substeps: 1,
         threshold: 1.0,
+        sweeps: 1,
+        integrator: Integrator::SecondOrder,
         hertz: 60.0,
         threads: 1,
     };
 
     /// Rockfall's defaults: 60 steps a second in four sub-steps.
     pub(crate) const FRAMES: Terms = Terms { rate: 60.0, substeps: 4, ..Terms::FINE };
+
+    /// Rockfall's defaults at a quality.
+    pub(crate) fn of(quality: Quality) -> Terms {
+        let Settings { substeps, contact_hertz: hertz, bounce_sweeps: sweeps, .. } = Settings::of(quality);
+        Terms { substeps, hertz, sweeps, ..Terms::FRAMES }
+    }
 
     /// Length of a step, s.
     pub(crate) fn dt(&self) -> f64 {

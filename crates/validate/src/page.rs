@@ -5,48 +5,24 @@ use crate::finding::{Check, Figure, LineKind};
 use crate::number::{number, with_unit};
 use crate::report::{Outcome, Report};
 use crate::table::{expected, summary, verdict};
-use rockfall_plot::{Curve, OF_TEXT, Scale, Side, escape, picture};
+use rockfall_plot::{Curve, FOOT, OF_TEXT, Scale, Side, escape, head, picture};
 
-const HEAD: &str = "<!doctype html>
-<html lang=\"en\">
-<meta charset=\"utf-8\">
-<meta name=\"viewport\" content=\"width=device-width\">
-<title>Rockfall against known answers</title>
-<style>
-html { color-scheme: light dark }
-body { font: 15px/1.45 system-ui, sans-serif; color: light-dark(#222, #ddd); background: light-dark(#fff, #1b1b1b); max-width: 90rem; margin: 2rem auto; padding: 0 1rem }
-h2 { margin-top: 3rem; border-bottom: 2px solid light-dark(#ddd, #444) }
+/// What the page has of its own.
+const STYLE: &str = "h2 { margin-top: 3rem; border-bottom: 2px solid light-dark(#ddd, #444) }
 h3 { margin-top: 2rem; margin-bottom: .3rem }
 h3 small { font-weight: 400; color: light-dark(#666, #999) }
-p { max-width: 60rem; margin: .3rem 0 }
-figure { display: inline-block; width: min(100%, 42rem); margin: .5rem 1rem .5rem 0 }
-figcaption { font-weight: 600 }
-svg { width: 100%; font: 12px system-ui, sans-serif; fill: currentColor }
-svg .grid { stroke: light-dark(#ddd, #444) }
-svg polyline, svg g path { stroke-width: 2 }
-svg .middle { text-anchor: middle }
-svg .end { text-anchor: end }
-.wide { overflow-x: auto }
-table { border-collapse: collapse; margin: .5rem 0 }
-th, td { padding: .15rem .6rem; border-bottom: 1px solid light-dark(#ddd, #444); text-align: right; white-space: nowrap }
-th { vertical-align: bottom }
-.text { text-align: left }
 .why { text-align: left; white-space: normal; min-width: 16rem; color: light-dark(#555, #aaa) }
 .pass { color: light-dark(#176b2c, #7ec98f) }
 .FAIL { color: light-dark(#b00020, #ff8a80); font-weight: 600 }
-a { color: inherit }
-</style>
-<h1>Rockfall against known answers</h1>
 ";
 
 /// The page: a summary, and for each case where it is from, its set-up, its checks by engine beside what others published, and its
 /// pictures.
 pub(crate) fn html(report: &Report) -> String {
     let form = if report.quick { "the quick form" } else { "the whole" };
-    let mut text = format!(
-        "{HEAD}<p>Version {}, {form}. Figures in red are not what they have to be.</p>\n",
-        report.version
-    );
+    let mut text = head("Rockfall against known answers", STYLE);
+    text +=
+        &format!("<p>Version {}, {form}. Figures in red are not what they have to be.</p>\n", report.version);
     for line in summary(report).lines() {
         text += &format!("<p>{}</p>\n", escape(line));
     }
@@ -59,7 +35,7 @@ pub(crate) fn html(report: &Report) -> String {
         }
         text += &case(first, outcomes);
     }
-    text + "</html>\n"
+    text + FOOT
 }
 
 fn case(first: &Outcome, outcomes: &[Outcome]) -> String {

@@ -3,9 +3,7 @@
 use rockfall_validate::{Choice, EngineName, run};
 
 /// Cases that the default solver does not pass today, and what is wrong. A case that comes to be passed has to leave this list.
-const KNOWN: [(&str, &str); 6] = [
-    ("projectile", "10,000 additions of g h in single precision lose up to 4e-6 m/s each"),
-    ("gazebo-complex", "the position update is of first order"),
+const KNOWN: [(&str, &str); 4] = [
     ("bullets", "what was stopped deep in each other is pushed apart, and keeps the speed"),
     ("overhang", "contacts of 60 Hz let the lowest edges sink, which tilts a tall stack"),
     ("tower", "contacts of 60 Hz are too soft for a column of twenty"),

@@ -31,13 +31,13 @@ pub use body::{Body, BodyId, Kind, Locks, MassOverride};
 pub use error::Error;
 pub use events::{ContactForce, Events, Hit, Pair, Presence, Watch};
 pub use material::{Material, Mix};
-pub use report::{STAGES, StepReport};
+pub use report::{Invariant, STAGES, StepReport};
 pub use rockfall_collide::INSIDE;
 pub use rockfall_math as math;
 pub use rockfall_math::snapshot;
 pub use rockfall_shape as shape;
 pub use rockfall_shape::Shape;
-pub use settings::{Settings, Solver};
+pub use settings::{Integrator, Quality, Settings, Solver};
 pub use world::query::{Cast, CastHit, Filter, Lists, Movers, Penetration, PointHit, Ray, RayHit};
 pub use world::{Contact, MaterialId, ShapeId, Spring, World};
 

@@ -4,7 +4,7 @@
 //! depend on the number of threads.
 
 use crate::bodies::{Bodies, State};
-use crate::{Kind, Settings, StepReport};
+use crate::{Kind, Settings, Solver, StepReport};
 use rayon::prelude::*;
 use rockfall_math::{DVec3, Mat3, rotation};
 use rockfall_solve::Contacts;
@@ -22,15 +22,47 @@ pub(crate) struct Sums {
     potential: f64,
     momentum: DVec3,
     angular: DVec3,
+    /// Gravity on those that are awake, N.
+    weight: DVec3,
+    /// Momentum that contacts gave to them in the last sub-step, and the sum of its lengths, N s.
+    given: DVec3,
+    moved: f64,
+    /// Sum of the lengths of their momenta, N s.
+    carried: f64,
+    /// Bodies that move as they are told.
+    driven: usize,
 }
 
-/// Fills in everything but times and counts that the caller knows. `sums` is room that is kept from step to step.
+impl Sums {
+    fn and(self, b: &Sums) -> Sums {
+        Sums {
+            bodies: self.bodies + b.bodies,
+            awake: self.awake + b.awake,
+            kinetic: self.kinetic + b.kinetic,
+            potential: self.potential + b.potential,
+            momentum: self.momentum + b.momentum,
+            angular: self.angular + b.angular,
+            weight: self.weight + b.weight,
+            given: self.given + b.given,
+            moved: self.moved + b.moved,
+            carried: self.carried + b.carried,
+            driven: self.driven + b.driven,
+        }
+    }
+}
+
+/// Parts of the momentum at hand that supports are rounded to.
+const PARTS: f64 = 1e12;
+
+/// Fills in everything but times and counts that the caller knows. `sums` is room that is kept from step to step; `handled` tells whether the world
+/// was changed from outside since the last one.
 pub(crate) fn measure(
     report: &mut StepReport,
     sums: &mut Vec<Sums>,
     bodies: &Bodies,
     contacts: &Contacts,
     settings: &Settings,
+    handled: bool,
 ) {
     let gravity = settings.gravity.as_dvec3();
     (0..bodies.rows().div_ceil(RUN))
@@ -40,14 +72,9 @@ pub(crate) fn measure(
             rows.fold(Sums::default(), |sums, row| add(sums, bodies, row, gravity))
         })
         .collect_into_vec(sums);
-    let all = sums.iter().fold(Sums::default(), |a, b| Sums {
-        bodies: a.bodies + b.bodies,
-        awake: a.awake + b.awake,
-        kinetic: a.kinetic + b.kinetic,
-        potential: a.potential + b.potential,
-        momentum: a.momentum + b.momentum,
-        angular: a.angular + b.angular,
-    });
+    let all = sums.iter().fold(Sums::default(), Sums::and);
+    let energy = |report: &StepReport| report.kinetic_energy + report.potential_energy;
+    let before = energy(report);
     let touch = contacts.tally();
     report.bodies = all.bodies;
     report.awake = all.awake;
@@ -55,6 +82,10 @@ pub(crate) fn measure(
     report.potential_energy = all.potential;
     report.momentum = all.momentum.to_array();
     report.angular_momentum = all.angular.to_array();
+    let watched = !handled && all.driven == 0;
+    report.energy_gain = if watched { (energy(report) - before).max(0.0) } else { 0.0 };
+    report.weight = all.weight.to_array();
+    balance(report, &all, bodies, contacts, settings);
     report.swept_bytes = contacts.swept_bytes();
     report.manifolds = touch.manifolds;
     report.touching = touch.touching;
@@ -63,21 +94,50 @@ pub(crate) fn measure(
     report.mean_penetration = (1e-9 * touch.overlap as f64 / touch.overlapping.max(1) as f64) as f32;
 }
 
+/// What contacts gave in the last sub-step, beside what supports gave.
+fn balance(report: &mut StepReport, all: &Sums, bodies: &Bodies, contacts: &Contacts, settings: &Settings) {
+    (report.support, report.momentum_error, report.friction_use) = ([0.0; 3], 0.0, 0.0);
+    if settings.solver != Solver::SoftStep {
+        return;
+    }
+    let moved = all.moved + 0.01 * all.carried;
+    let unit = if moved > 0.0 { moved / PARTS } else { 1.0 };
+    let awake = |row: u32| bodies.states[row as usize] == State::Awake;
+    let forces = contacts.forces(unit, awake);
+    let support = forces.support(unit);
+    let rate = f64::from(settings.rate) * f64::from(settings.substeps);
+    report.support = (support * rate).to_array();
+    report.momentum_error = if moved > 0.0 { (all.given - support).length() / moved } else { 0.0 };
+    report.friction_use = forces.friction();
+}
+
 fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
     if bodies.states[row] == State::Dead {
         return sums;
     }
     sums.bodies += 1;
     if bodies.kinds[row] != Kind::Dynamic {
+        let moves = bodies.lines[row].motion[..6].iter().any(|&x| x != 0.0);
+        sums.driven += usize::from(bodies.kinds[row] == Kind::Kinematic && moves);
         return sums;
     }
-    sums.awake += usize::from(bodies.states[row] == State::Awake);
+    let awake = bodies.states[row] == State::Awake;
+    sums.awake += usize::from(awake);
     let motion = motion(bodies, row);
     let Motion { mass, v, spin, .. } = motion;
     sums.kinetic += motion.energy();
     sums.potential -=
         mass * f64::from(bodies.lines[row].gravity_scale()) * gravity.dot(bodies.positions[row]);
     sums.momentum += v * mass;
+    if awake {
+        let from = &bodies.references[row];
+        // See `rockfall_solve::push`.
+        let given = (v - DVec3::new(from[0].into(), from[1].into(), from[2].into())) * mass;
+        sums.weight += gravity * (mass * f64::from(bodies.lines[row].gravity_scale()));
+        sums.given += given;
+        sums.moved += given.length();
+        sums.carried += v.length() * mass;
+    }
     sums.angular += bodies.positions[row].cross(v * mass) + spin;
     sums
 }

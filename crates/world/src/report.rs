@@ -47,8 +47,79 @@ pub struct StepReport {
     pub momentum: [f64; 3],
     /// About the world's origin, kg m²/s.
     pub angular_momentum: [f64; 3],
+    /// Force of what contacts can't move on what they can, over the last sub-step, N: of floors, walls, driven bodies. The simple solvers keep
+    /// no impulses, so that it is zero with them.
+    pub support: [f64; 3],
+    /// Gravity's force on all bodies that are awake, N.
+    pub weight: [f64; 3],
+    /// By how much the momentum that contacts gave to all bodies in the last sub-step differs from what `support` gave: a share of the momentum
+    /// that they moved, and of a hundredth of all that there is. Contacts between bodies give none, but for rounding.
+    pub momentum_error: f64,
+    /// By how much the energy rose in the step, J, without work from outside; zero where it fell, where a driven body moved, or where the caller had
+    /// changed something.
+    pub energy_gain: f64,
+    /// The largest friction of a contact over Coulomb's bound; at most 1.
+    pub friction_use: f64,
     /// Bodies that were frozen because their state was not finite, so far.
     pub frozen: usize,
     /// Time of each stage; see [`STAGES`].
     pub times: [Duration; STAGES.len()],
+}
+
+/// What holds in each step, whatever the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Invariant {
+    /// Contacts between bodies give no momentum to both together: [`StepReport::momentum_error`].
+    Momentum,
+    /// The energy does not rise without work: [`StepReport::energy_gain`].
+    Energy,
+    /// Friction stays within its cone: [`StepReport::friction_use`].
+    Friction,
+}
+
+impl Invariant {
+    /// All.
+    pub const ALL: [Invariant; 3] = [Invariant::Momentum, Invariant::Energy, Invariant::Friction];
+
+    /// As in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Invariant::Momentum => "momentum",
+            Invariant::Energy => "energy",
+            Invariant::Friction => "friction",
+        }
+    }
+}
+
+/// What rounding may take of a balance: impulses of 6e-8 each, in heaps of a million contacts, with what splits and unites large bodies.
+const MOMENTUM: f64 = 1e-3;
+
+/// Pushing overlaps apart lifts bodies without asking what it costs: a hundredth of the kinetic energy, and a millimetre for all that there is, are
+/// let pass.
+const KINETIC: f64 = 0.01;
+const LIFT: f64 = 1e-3;
+
+/// The cone is kept by a square root and a division.
+const CONE: f64 = 1.0 + 1e-5;
+
+impl StepReport {
+    /// By how much an invariant is off in this step, in its own unit: a share, J, a share.
+    pub fn error_of(&self, invariant: Invariant) -> f64 {
+        match invariant {
+            Invariant::Momentum => self.momentum_error,
+            Invariant::Energy => self.energy_gain,
+            Invariant::Friction => self.friction_use,
+        }
+    }
+
+    /// Whether this step broke an invariant by more than rounding, and than the soft position correction explains.
+    pub fn breaks(&self, invariant: Invariant) -> bool {
+        let weight = self.weight.iter().map(|f| f * f).sum::<f64>().sqrt();
+        let most = match invariant {
+            Invariant::Momentum => MOMENTUM,
+            Invariant::Energy => KINETIC * self.kinetic_energy + LIFT * weight,
+            Invariant::Friction => CONE,
+        };
+        self.error_of(invariant) > most
+    }
 }

@@ -2,6 +2,7 @@
 
 use rockfall_math::Vec3;
 use rockfall_solve::WORTH_TILES;
+pub use rockfall_solve::drift::Integrator;
 
 /// How contacts are answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +16,18 @@ pub enum Solver {
     Reflect,
 }
 
+/// Accuracy against speed, in one word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// Two sub-steps: for looking at.
+    Draft,
+    /// Four.
+    #[default]
+    Default,
+    /// Eight, contacts twice as stiff, and restitution until it is done.
+    Fine,
+}
+
 /// Settings of a [`World`](crate::World).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -26,6 +39,8 @@ pub struct Settings {
     pub substeps: u32,
     /// How contacts are answered.
     pub solver: Solver,
+    /// How positions follow from velocities in free flight. `SoftStep` alone; the simple solvers are semi-implicit.
+    pub integrator: Integrator,
     /// Natural frequency of the soft position correction, Hz; never used above a quarter of the sub-step rate.
     pub contact_hertz: f32,
     /// Damping ratio of the soft position correction. Larger is slower; and the less of an impulse leaks with it in a
@@ -35,6 +50,9 @@ pub struct Settings {
     pub push_speed: f32,
     /// Restitution acts on contacts that close faster than this, m/s.
     pub restitution_threshold: f32,
+    /// Sweeps of restitution, at most; it ends earlier where nothing bounces any more. One is enough for bodies that hit one by one. A heap of
+    /// elastic bodies that hits the ground keeps its energy with some forty, and may take four times as long for it while it bounces.
+    pub bounce_sweeps: u32,
     /// Bodies at rest fall asleep.
     pub sleeping: bool,
     /// A body is at rest when no point of it moves faster than this, m/s.
@@ -63,10 +81,12 @@ impl Default for Settings {
             rate: 60.0,
             substeps: 4,
             solver: Solver::SoftStep,
+            integrator: Integrator::SecondOrder,
             contact_hertz: 60.0,
             contact_damping: 0.5,
             push_speed: 3.0,
             restitution_threshold: 1.0,
+            bounce_sweeps: 1,
             sleeping: true,
             sleep_speed: 0.05,
             sleep_time: 0.5,
@@ -75,6 +95,19 @@ impl Default for Settings {
             tiles_from: WORTH_TILES,
             threads: 0,
             lanes: 0,
+        }
+    }
+}
+
+impl Settings {
+    /// The defaults at a quality: sub-steps, stiffness of contacts, sweeps of restitution. `docs/performance.md` has what each costs, `rockfall
+    /// validate --only quality` what each buys.
+    pub fn of(quality: Quality) -> Self {
+        let default = Settings::default();
+        match quality {
+            Quality::Draft => Settings { substeps: 2, ..default },
+            Quality::Default => default,
+            Quality::Fine => Settings { substeps: 8, contact_hertz: 120.0, bounce_sweeps: 64, ..default },
         }
     }
 }

@@ -119,6 +119,8 @@ pub struct World {
     fresh: usize,
     /// Rows of bodies that were put somewhere else since the last step.
     stirred: BTreeSet<u32>,
+    /// Whether the caller has changed anything since the last step.
+    handled: bool,
     /// Rows that the last step took out of their boxes; found when somebody asks.
     drifted: OnceLock<Vec<u32>>,
     /// These and all rows that changed since; found when somebody asks.
@@ -168,6 +170,7 @@ impl World {
             next_id: 1,
             fresh: 0,
             stirred: BTreeSet::new(),
+            handled: true,
             drifted: OnceLock::new(),
             late: OnceLock::new(),
             index: Index::default(),

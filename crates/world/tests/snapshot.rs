@@ -7,7 +7,7 @@ use common::{Numbers, Stage, at, rubs};
 use rockfall::math::{DVec3, Pose, Vec3};
 use rockfall::shape::{Hull, Mesh};
 use rockfall::snapshot::{Error, Reader, Writer};
-use rockfall::{Body, BodyId, Kind, Material, Settings, Shape, Solver, StepReport, Watch, World};
+use rockfall::{Body, BodyId, Integrator, Kind, Material, Settings, Shape, Solver, StepReport, Watch, World};
 use std::sync::Arc;
 
 /// A world and what happens to it from outside.
@@ -31,10 +31,12 @@ const SETTINGS: Settings = Settings {
     rate: 60.0,
     substeps: 4,
     solver: Solver::SoftStep,
+    integrator: Integrator::SecondOrder,
     contact_hertz: 60.0,
     contact_damping: 0.5,
     push_speed: 3.0,
     restitution_threshold: 1.0,
+    bounce_sweeps: 4,
     sleeping: true,
     sleep_speed: 0.2,
     sleep_time: 0.2,

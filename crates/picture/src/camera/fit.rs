@@ -2,8 +2,7 @@
 
 use super::Camera;
 use crate::Stage;
-use crate::view::View;
-use rockfall_collide::Ray;
+use crate::view::{Beam, View};
 use rockfall_math::{DVec3, trig};
 use rockfall_shape::Shape;
 
@@ -68,9 +67,10 @@ impl Camera {
                 let way = *center - camera.eye;
                 let length = way.length();
                 // As far as the ball's surface.
-                let max = 1.0 - 1.01 * radius / length;
+                let max = (1.0 - 1.01 * radius / length) as f32;
                 let up = DVec3::Z * *radius * 0.9;
-                let free = |direction: DVec3| !view.blocked_by_fixed(&Ray { origin, direction, max });
+                let origin = origin.as_vec3();
+                let free = |way: DVec3| !view.blocked_by_fixed(&Beam::new(origin, way.as_vec3(), max));
                 max > 0.0 && (free(way) || free(way + up))
             });
             seen.count() as f64 / all

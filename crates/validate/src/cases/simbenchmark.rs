@@ -7,10 +7,18 @@ mod pile;
 mod rolling;
 mod sweep;
 
+use crate::Error;
 use crate::case::Case;
+use crate::engine::{Surface, Terms};
+use crate::stage::{Rig, Stage};
 
 pub(super) const CASES: [Case; 5] =
     [rolling::CASES[0], rolling::CASES[1], bouncing::CASE, pile::CASE, elastic::CASE];
 
 /// Name of the group.
 const GROUP: &str = "simbenchmark";
+
+/// The balls of "elastic 666" before they fall.
+pub(super) fn elastic_lattice(rig: &Rig, terms: Terms) -> Result<Stage, Error> {
+    pile::lattice(rig, terms, Surface::new(0.0, 1.0), 1.101)
+}

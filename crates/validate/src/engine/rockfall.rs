@@ -16,13 +16,15 @@ pub(super) struct Rockfall {
 
 impl Rockfall {
     pub(super) fn new(solver: Solver, terms: &Terms) -> Result<Self, Error> {
-        let Terms { gravity, rate, substeps, threshold, hertz, threads } = *terms;
+        let Terms { gravity, rate, substeps, threshold, sweeps, integrator, hertz, threads } = *terms;
         let settings = Settings {
             gravity,
             rate,
             substeps,
             solver,
             restitution_threshold: threshold,
+            integrator,
+            bounce_sweeps: sweeps,
             contact_hertz: hertz,
             sleeping: false,
             threads,

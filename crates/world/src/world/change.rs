@@ -43,6 +43,7 @@ impl World {
         let Settings { threads, lanes, .. } = self.settings;
         self.settings = Settings { threads, lanes, ..settings };
         self.fingerprint.take();
+        self.handled = true;
         (1..self.bodies.rows()).for_each(|row| self.wake(row));
         Ok(())
     }

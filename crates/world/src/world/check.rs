@@ -37,6 +37,8 @@ impl Settings {
         not_negative("contact_damping", self.contact_damping)?;
         positive("push_speed", self.push_speed)?;
         not_negative("restitution_threshold", self.restitution_threshold)?;
+        let sweeps = self.bounce_sweeps;
+        check("bounce_sweeps", sweeps.to_string(), (1..=10_000).contains(&sweeps), "1 to 10000")?;
         not_negative("sleep_speed", self.sleep_speed)?;
         not_negative("sleep_time", self.sleep_time)?;
         check("threads", self.threads.to_string(), self.threads <= 4096, "0 (all) to 4096")?;

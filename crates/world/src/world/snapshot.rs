@@ -58,7 +58,7 @@ impl World {
     pub fn save(&self, to: &mut Writer<'_>) -> Result<(), Error> {
         #[rustfmt::skip]
         let World {
-            bodies, vacant, names, next_id, fresh, stirred, touches, contacts, report, sensors, events,
+            bodies, vacant, names, next_id, fresh, stirred, handled, touches, contacts, report, sensors, events,
             // The fingerprint speaks for them.
             settings: _, shapes: _, masses: _, materials: _, fingerprint: _,
             // What is asked for, by the one who asks.
@@ -74,6 +74,7 @@ impl World {
         to.column("vacant", vacant)?;
         to.one("next_id", *next_id)?;
         to.one("fresh", *fresh as u64)?;
+        to.one("handled", u64::from(*handled))?;
         to.column("stirred", &stirred.iter().copied().collect::<Vec<u32>>())?;
         save_names(names, to)?;
         touches.save(to)?;
@@ -107,6 +108,7 @@ impl World {
         let fresh = from.one::<u64>("fresh")?;
         let fresh = usize::try_from(fresh).ok().filter(|&fresh| fresh < rows);
         let fresh = fresh.ok_or_else(|| Error::invalid("fresh", "more rows than there are"))?;
+        let handled = from.one::<u64>("handled")? != 0;
         let stirred: BTreeSet<u32> = from.column("stirred")?.into_iter().collect();
         let there = stirred.iter().all(|&row| (row as usize) < rows);
         Error::unless(there, "stirred", "a row that is not there")?;
@@ -127,7 +129,7 @@ impl World {
         self.index = pool.install(|| Index::new(&bodies, rows - fresh));
         (self.bodies, self.slots, self.rows, self.vacant) = (bodies, slots, places, vacant);
         (self.names, self.next_id, self.fresh, self.stirred) = (names, next_id, fresh, stirred);
-        (self.touches, self.contacts, self.report) = (touches, contacts, report);
+        (self.touches, self.contacts, self.report, self.handled) = (touches, contacts, report, handled);
         (self.sensors, self.events) = (sensors, events);
         self.contacts.keep_totals(self.watch.impulse.is_some());
         self.sorted.take();
@@ -239,7 +241,7 @@ fn save_report(report: &StepReport, to: &mut Writer<'_>) -> Result<(), Error> {
     let &StepReport {
         step, time, bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes,
         deepest_penetration, mean_penetration, kinetic_energy, potential_energy, momentum, angular_momentum, frozen,
-        times: _,
+        support, weight, momentum_error, energy_gain, friction_use, times: _,
     } = report;
     let counts =
         [bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes, frozen];
@@ -247,7 +249,9 @@ fn save_report(report: &StepReport, to: &mut Writer<'_>) -> Result<(), Error> {
     to.column("report.counts", &counts.map(|count| count as u64))?;
     to.column("report.depths", &[deepest_penetration, mean_penetration])?;
     let ([x, y, z], [u, v, w]) = (momentum, angular_momentum);
-    to.column("report.sums", &[time, kinetic_energy, potential_energy, x, y, z, u, v, w])
+    to.column("report.sums", &[time, kinetic_energy, potential_energy, x, y, z, u, v, w])?;
+    let ([x, y, z], [u, v, w]) = (support, weight);
+    to.column("report.balance", &[x, y, z, u, v, w, momentum_error, energy_gain, friction_use])
 }
 
 fn load_report(from: &mut Reader<'_>) -> Result<StepReport, Error> {
@@ -256,13 +260,15 @@ fn load_report(from: &mut Reader<'_>) -> Result<StepReport, Error> {
     let counts: Vec<u64> = from.column("report.counts")?;
     let depths: Vec<f32> = from.column("report.depths")?;
     let sums: Vec<f64> = from.column("report.sums")?;
+    let balance: Vec<f64> = from.column("report.balance")?;
     let counts: Vec<usize> = counts.into_iter().map(|count| count as usize).collect();
     #[rustfmt::skip]
     let (
         &[bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes, frozen],
         &[deepest_penetration, mean_penetration],
         &[time, kinetic_energy, potential_energy, x, y, z, u, v, w],
-    ) = (&counts[..], &depths[..], &sums[..]) else {
+        &[support_x, support_y, support_z, weight_x, weight_y, weight_z, momentum_error, energy_gain, friction_use],
+    ) = (&counts[..], &depths[..], &sums[..], &balance[..]) else {
         return Err(Error::invalid("report", "another number of figures"));
     };
     Error::unless(frozen <= usize::MAX / 2, "report.counts", "more bodies than there can be")?;
@@ -270,7 +276,8 @@ fn load_report(from: &mut Reader<'_>) -> Result<StepReport, Error> {
     let report = StepReport {
         step, time, bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes,
         deepest_penetration, mean_penetration, kinetic_energy, potential_energy, frozen,
-        momentum: [x, y, z], angular_momentum: [u, v, w], times: Default::default(),
+        momentum: [x, y, z], angular_momentum: [u, v, w], support: [support_x, support_y, support_z],
+        weight: [weight_x, weight_y, weight_z], momentum_error, energy_gain, friction_use, times: Default::default(),
     };
     Ok(report)
 }

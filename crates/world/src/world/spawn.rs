@@ -52,6 +52,7 @@ impl World {
     }
 
     fn enter(&mut self, body: Body, id: u64, mass: &Mass) {
+        self.handled = true;
         let slot = self.vacant.pop().unwrap_or(self.rows.len() as u32);
         if slot as usize == self.rows.len() {
             self.rows.push(0);
@@ -141,6 +142,7 @@ impl World {
     /// [`Error::NoBody`].
     pub fn remove(&mut self, id: BodyId) -> Result<(), Error> {
         let row = self.row(id)?;
+        self.handled = true;
         self.bodies.states[row] = State::Dead;
         self.vacant.extend(self.slots.remove(id.0));
         self.names.remove(&id.0);
@@ -157,6 +159,7 @@ impl World {
         let row = self.row(id)?;
         check_finite("velocity", velocity)?;
         check_finite("angular velocity", angular)?;
+        self.handled = true;
         if self.bodies.is_mover(row) {
             self.bodies.lines[row].set_velocities(velocity, angular);
             self.wake(row);
@@ -171,6 +174,7 @@ impl World {
     pub fn set_pose(&mut self, id: BodyId, pose: Pose) -> Result<(), Error> {
         let row = self.row(id)?;
         Body::check_pose(&pose)?;
+        self.handled = true;
         let rotation = rotation::normalize(pose.rotation);
         let center = rotation::rotate(rotation, self.bodies.centers[row]);
         self.bodies.positions[row] = pose.position + center.as_dvec3();
@@ -189,6 +193,7 @@ impl World {
         let row = self.row(id)?;
         check_finite("impulse", impulse)?;
         check_finite("point", at.as_vec3())?;
+        self.handled = true;
         let inverse_inertia = self.bodies.world_inverse_inertia(row);
         let arm = (at - self.bodies.positions[row]).as_vec3();
         let line = &mut self.bodies.lines[row];

@@ -76,7 +76,7 @@ impl World {
         if settings.continuous {
             starts.par_extend(&bodies.rotations);
         }
-        let plan = plan(settings);
+        let plan = plan(settings, report.step);
         let mut columns = bodies.solver_columns();
         let [solve_time, bounce_time] = match settings.solver {
             Solver::SoftStep => soft_step(contacts, &mut columns, *width, &plan),
@@ -88,7 +88,7 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees, starts });
+            sweep(bodies, Surroundings { shapes, trees, starts }, settings.gravity);
         }
         clock.lap();
         if settings.sleeping {
@@ -102,7 +102,8 @@ impl World {
         report.colors = contacts.colors();
         report.split = contacts.split_bodies();
         report.serial = contacts.serial();
-        measure(report, sums, bodies, contacts, settings);
+        measure(report, sums, bodies, contacts, settings, self.handled);
+        self.handled = false;
         self.tell();
         clock.lap();
         self.report.times = clock.times();
@@ -133,8 +134,9 @@ fn surface(a: &Material, b: &Material) -> Surface {
     }
 }
 
-fn plan(settings: &Settings) -> Plan {
+fn plan(settings: &Settings, step: u64) -> Plan {
     Plan {
+        step,
         dt: 1.0 / settings.rate,
         substeps: settings.substeps,
         gravity: settings.gravity,
@@ -142,6 +144,8 @@ fn plan(settings: &Settings) -> Plan {
         damping: settings.contact_damping,
         push_speed: settings.push_speed,
         restitution_threshold: settings.restitution_threshold,
+        bounces: settings.bounce_sweeps,
+        integrator: settings.integrator,
     }
 }
 

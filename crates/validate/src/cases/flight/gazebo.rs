@@ -3,7 +3,7 @@
 use super::GROUP;
 use crate::Error;
 use crate::case::{Case, Source};
-use crate::engine::{ALL, Surface, Terms, Thing};
+use crate::engine::{ALL, EngineName, Surface, Terms, Thing};
 use crate::finding::{Figure, Findings};
 use crate::stage::{Rig, Stage, cuboid};
 use rockfall::math::{DVec3, Vec3, rotation};
@@ -126,6 +126,7 @@ fn complex(rig: &Rig) -> Result<Findings, Error> {
         }
         Ok(())
     })?;
+    let energy = if rig.engine == EngineName::SoftStep { 1e-4 } else { 6.2e-3 };
     let mut findings = Findings::default();
     findings
         .at_most("position at 1 ms", "m", worst.position, 0.0245, "Simbody's, the best of the four")
@@ -138,7 +139,13 @@ fn complex(rig: &Rig) -> Result<Findings, Error> {
             "nothing turns it; the splitting keeps it to rounding",
         )
         .beside(&PUBLISHED[1])
-        .at_most("energy at 1 ms", "", worst.energy, 6.2e-3, "Simbody's, the best of the four")
+        .at_most(
+            "energy at 1 ms",
+            "",
+            worst.energy,
+            energy,
+            "Simbody's 6.2e-3, the best of the four; of positions that are exact under gravity, rounding",
+        )
         .beside(&PUBLISHED[2])
         .at_most(
             "angular velocity off the reference at 1, 2, 5, 10 s",

@@ -3,7 +3,7 @@
 use super::GROUP;
 use crate::Error;
 use crate::case::{Case, Source};
-use crate::engine::{ALL, Surface, Terms, Thing};
+use crate::engine::{ALL, EngineName, Surface, Terms, Thing};
 use crate::finding::{Figure, Findings};
 use crate::stage::{Rig, ball};
 use rockfall::math::{DVec3, Vec3};
@@ -38,15 +38,20 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     }
     let euler = 0.5 * g * 10.0 * stage.terms.dt();
     let side = stage.position(stone)? - exact(10.0);
-    let mut findings = Findings::default();
-    findings
-        .at_most(
-            "largest distance from the parabola",
-            "m",
-            worst,
+    let (limit, reason) = if rig.engine == EngineName::SoftStep {
+        (
+            1e-4,
+            "positions are of second order, exact under gravity; 2e-6 of 50 m/s for 10 s by velocities of single precision",
+        )
+    } else {
+        (
             1.05 * euler,
             "semi-implicit Euler ends ½ g T h = 0.049 m lower; 5 % for velocities of single precision",
         )
+    };
+    let mut findings = Findings::default();
+    findings
+        .at_most("largest distance from the parabola", "m", worst, limit, reason)
         .beside(&[("ODE", 0.049), ("Bullet", 0.049), ("Simbody", 0.0245), ("DART", 0.049)])
         .at_most(
             "sideways off after 10 s",
