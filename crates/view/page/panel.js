@@ -66,6 +66,7 @@ export class Panel {
     element('title', HTMLElement).textContent = hello.title;
     document.title = `${hello.title} · Rockfall`;
     document.body.classList.toggle('recorded', !hello.live);
+    element('cost-title', HTMLElement).textContent = hello.live ? 'Time of a step' : 'State';
     const old = this.color.value;
     options(this.color, hello.colors);
     if (hello.colors.includes(old)) this.color.value = old;
@@ -179,7 +180,7 @@ export class Panel {
   show(status, fps) {
     this.status = status;
     const figures = [`${(status.bodies ?? 0).toLocaleString('en').replaceAll(',', ' ')} bodies`];
-    if (status.figures) figures.push(`${status.figures.awake.toLocaleString('en').replaceAll(',', ' ')} awake`);
+    if (status.figures && status.frame === status.present) figures.push(`${status.figures.awake.toLocaleString('en').replaceAll(',', ' ')} awake`);
     if (status.playing && status.pace > 0) figures.push(`${short(status.pace)}× real time`);
     if (fps > 0) figures.push(`${fps.toFixed(0)} pictures/s`);
     if (status.far) figures.push(`${status.far} too far away to be drawn`);
