@@ -37,6 +37,7 @@ mod sizes;
 mod source;
 mod spec;
 mod start;
+mod tables;
 mod terrain;
 mod write;
 
@@ -50,3 +51,4 @@ pub use root::Output;
 pub use running::Running;
 pub use scene::{Inventory, Scene};
 pub use schema::schema;
+pub use tables::{material_table, world_table};

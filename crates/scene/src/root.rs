@@ -242,7 +242,7 @@ pub(crate) fn output(table: &Table) -> Output {
     }
 }
 
-const MIXES: &[&str] = &["average", "geometric-mean", "minimum", "product", "maximum"];
+pub(crate) const MIXES: &[&str] = &["average", "geometric-mean", "minimum", "product", "maximum"];
 const FRICTION: Range = Range { min: 0.0, max: 1000.0 };
 
 pub(crate) static MATERIAL: Spec = Spec {

@@ -15,6 +15,8 @@ export class Camera {
     this.elevation = 0.37;
     /** Vertical, degrees. */
     this.fov = 35;
+    /** How far left of the middle the target is, in halves of the picture's width: the panel covers the right. */
+    this.shift = 0;
   }
 
   /** From the target to the eye, unit. @returns {Vec3} */
@@ -82,12 +84,14 @@ export class Camera {
   /** From the eye to the picture. @param {number} aspect */
   lens(aspect) {
     const near = Math.max(0.004 * this.distance, 1e-3);
-    return multiply(perspective((this.fov * Math.PI) / 180, aspect, near, 8000 * near + 50 * this.distance), turning(scale(this.back, -1), [0, 0, 1]));
+    const pinhole = perspective((this.fov * Math.PI) / 180, aspect, near, 8000 * near + 50 * this.distance);
+    pinhole[8] = this.shift;
+    return multiply(pinhole, turning(scale(this.back, -1), [0, 0, 1]));
   }
 
   /** Unit way from the eye through a point of the picture, from -1 to 1 each. @param {number} x @param {number} y @param {number} aspect @returns {Vec3} */
   way(x, y, aspect) {
     const [r, u, f] = this.axes;
-    return unit(add(f, add(scale(r, x * this.half * aspect), scale(u, y * this.half))));
+    return unit(add(f, add(scale(r, (x + this.shift) * this.half * aspect), scale(u, y * this.half))));
   }
 }

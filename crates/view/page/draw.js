@@ -95,7 +95,7 @@ export class Draw {
     gl.bindVertexArray(this.empty);
     gl.uniform3fv(this.sky.uniform.u_right, scale(r, camera.half * this.aspect));
     gl.uniform3fv(this.sky.uniform.u_up, scale(u, camera.half));
-    gl.uniform3fv(this.sky.uniform.u_forward, f);
+    gl.uniform3fv(this.sky.uniform.u_forward, add(f, scale(r, camera.shift * camera.half * this.aspect)));
     this.light(this.sky.uniform);
     gl.depthFunc(gl.LEQUAL);
     gl.drawArrays(gl.TRIANGLES, 0, 3);

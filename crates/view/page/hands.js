@@ -99,7 +99,7 @@ export class Hands {
       const other = [...this.fingers].find(([id]) => id !== event.pointerId)?.[1] ?? finger;
       const before = Math.hypot(finger.x - other.x, finger.y - other.y), after = Math.hypot(event.clientX - other.x, event.clientY - other.y);
       const [x, y] = this.point({ clientX: (event.clientX + other.x) / 2, clientY: (event.clientY + other.y) / 2 });
-      this.camera.zoom(before / Math.max(after, 1), x * (width / height), y);
+      this.camera.zoom(before / Math.max(after, 1), (x + this.camera.shift) * (width / height), y);
       this.camera.move(-dx / 2 / height, dy / 2 / height);
     } else {
       this.stroke.way = Math.max(this.stroke.way, Math.hypot(event.clientX - this.stroke.x, event.clientY - this.stroke.y));
@@ -153,7 +153,7 @@ export class Hands {
     if (this.held) {
       this.held.depth /= factor;
       this.pull(event);
-    } else this.camera.zoom(factor, x * this.draw.aspect, y);
+    } else this.camera.zoom(factor, (x + this.camera.shift) * this.draw.aspect, y);
     this.act.moved();
   }
 

@@ -133,14 +133,19 @@ function place(name) {
   const found = hello?.cameras.find((/** @type {any} */ one) => one.name === name);
   if (!found) return;
   camera.look(sub(found.eye, origin), sub(found.target, origin), found.fov);
-  // A narrow window sees less: as wide as in a picture of 16 to 9.
-  if (draw.aspect < 16 / 9) camera.distance *= Math.min(2.2, 16 / 9 / draw.aspect);
+  // What is narrow sees less: as wide as in a picture of 16 to 9.
+  if (free() < 16 / 9) camera.distance *= Math.min(2.2, 16 / 9 / free());
   dirty = true;
+}
+
+/** Width by height of the part of the picture that nothing covers. */
+function free() {
+  return draw.aspect * (1 - panel.covers);
 }
 
 function fit() {
   draw.extent = stage.extent();
-  camera.fit(draw.extent.middle, draw.extent.radius, draw.aspect);
+  camera.fit(draw.extent.middle, draw.extent.radius, free());
   panel.camera.value = '';
   dirty = true;
 }
@@ -241,6 +246,10 @@ function picture(now) {
   last = now;
   if (hands.busy) {
     hands.go(seconds);
+    dirty = true;
+  }
+  if (camera.shift !== panel.covers) {
+    camera.shift = panel.covers;
     dirty = true;
   }
   const mix = stage.glides ? Math.min(1, (performance.now() - came) / pause) : 1;

@@ -116,6 +116,12 @@ export class Panel {
     this.graph.draw();
   }
 
+  /** Share of the page that the panel covers on the right. */
+  get covers() {
+    const beside = document.body.classList.contains('panel-open') && innerWidth > 760;
+    return beside ? (element('panel', HTMLElement).offsetWidth + 24) / innerWidth : 0;
+  }
+
   /** Everything that is known of a body. @param {any} told */
   tell(told) {
     if (told.row !== this.picked) return;

@@ -4,9 +4,9 @@ use crate::Error;
 use crate::live::Live;
 use crate::recorded::Recording;
 use crate::source::{Kind, Source};
-use rockfall::{Settings, Shape, Solver};
+use rockfall::{Settings, Shape};
 use rockfall_cache::{SCENE, START, Start, State};
-use rockfall_scene::Scene;
+use rockfall_scene::{Scene, material_table, world_table};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::fs;
@@ -54,7 +54,7 @@ fn of_live(live: &Live, frame: u64, place: &Path) -> Result<Option<String>, Erro
     };
     let names = live.scene.materials();
     let distinct = names.iter().collect::<BTreeSet<_>>().len() == names.len();
-    let mut text = world_table(world.settings(), live.scene.seed, live.scene.frames);
+    let mut text = begin(world.settings(), live.scene.frames, live.scene.seed);
     let of_scene = if distinct { "scene" } else { "run" };
     let _ = write!(
         text,
@@ -63,27 +63,7 @@ fn of_live(live: &Live, frame: u64, place: &Path) -> Result<Option<String>, Erro
     );
     if distinct {
         for (name, id) in names.iter().zip(live.running.materials()) {
-            let m = world.material(*id)?;
-            let mix = |mix: rockfall::Mix| match mix {
-                rockfall::Mix::Average => "average",
-                rockfall::Mix::GeometricMean => "geometric-mean",
-                rockfall::Mix::Minimum => "minimum",
-                rockfall::Mix::Product => "product",
-                rockfall::Mix::Maximum => "maximum",
-            };
-            let _ = write!(
-                text,
-                "\n[materials.{}]\ndensity = {}\nrestitution = {}\nfriction = {}\nrolling_friction = {}\ntwisting_friction = {}\n\
-                 friction_mix = \"{}\"\nrestitution_mix = \"{}\"\n",
-                quoted(name),
-                m.density,
-                m.restitution,
-                m.friction,
-                m.rolling_friction,
-                m.twisting_friction,
-                mix(m.friction_mix),
-                mix(m.restitution_mix)
-            );
+            let _ = write!(text, "\n{}", material_table(name, &world.material(*id)?));
         }
     }
     added(live, &names, &mut text)?;
@@ -153,33 +133,13 @@ fn added(live: &Live, names: &[String], text: &mut String) -> Result<(), Error> 
 fn of_run(run: &Recording, frame: u64, place: &Path) -> Result<(), Error> {
     let path = fs::canonicalize(run.path()).unwrap_or_else(|_| run.path().to_owned());
     let scene = Scene::load(path.join(SCENE))?;
-    let mut text = world_table(&scene.settings, scene.seed, scene.frames);
+    let mut text = begin(&scene.settings, scene.frames, scene.seed);
     let _ = write!(text, "\n[start]\nrun = {}\nframe = {frame}\n", quoted(&path.display().to_string()));
     write(&place.join(SCENE), &text)
 }
 
-fn world_table(s: &Settings, seed: u64, frames: u64) -> String {
-    let solver = match s.solver {
-        Solver::SoftStep => "soft-step",
-        Solver::Impulse => "impulse",
-        Solver::Reflect => "reflect",
-    };
-    let [x, y, z] = s.gravity.to_array();
-    format!(
-        "# Saved from the live page.\n\n[world]\ngravity = [{x}, {y}, {z}]\nrate = {}\nsubsteps = {}\nsolver = \"{solver}\"\nframes = {frames}\nseed = {seed}\n\
-         contact_hertz = {}\ncontact_damping = {}\npush_speed = {}\nrestitution_threshold = {}\nsleeping = {}\nsleep_speed = {}\n\
-         sleep_time = {}\ncontinuous = {}\n",
-        s.rate,
-        s.substeps,
-        s.contact_hertz,
-        s.contact_damping,
-        s.push_speed,
-        s.restitution_threshold,
-        s.sleeping,
-        s.sleep_speed,
-        s.sleep_time,
-        s.continuous
-    )
+fn begin(settings: &Settings, frames: u64, seed: u64) -> String {
+    format!("# Saved from the live page.\n\n{}", world_table(settings, frames, seed))
 }
 
 /// A folder that is not there yet: the name, or the name and a number. Its path is absolute, since it is that of the run that the scene says it begins with.
@@ -215,6 +175,7 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockfall::Solver;
     use rockfall_math::{DVec3, Vec3};
 
     const SCENE: &str = r#"

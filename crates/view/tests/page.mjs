@@ -59,7 +59,7 @@ const onScreen = (page, row) =>
       const dot = (a) => a[0] * way[0] + a[1] * way[1] + a[2] * way[2];
       const box = draw.canvas.getBoundingClientRect();
       return [
-        box.left + (0.5 + (0.5 * dot(r)) / (dot(f) * camera.half * draw.aspect)) * box.width,
+        box.left + (0.5 - 0.5 * camera.shift + (0.5 * dot(r)) / (dot(f) * camera.half * draw.aspect)) * box.width,
         box.top + (0.5 - (0.5 * dot(u)) / (dot(f) * camera.half)) * box.height,
       ];
     },
