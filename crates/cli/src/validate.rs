@@ -20,7 +20,11 @@ pub(crate) fn validate(args: &ValidateArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let report = run(&choice, |outcome| {
-        let verdict = if outcome.passed { "passed" } else { "FAILED" };
+        let verdict = match (outcome.passed, outcome.left_out) {
+            (true, _) => "passed",
+            (false, true) => "left out",
+            (false, false) => "FAILED",
+        };
         say::error(&format!(
             "{} {} {verdict}, {:.1} s",
             outcome.case,

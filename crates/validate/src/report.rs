@@ -73,6 +73,8 @@ pub struct Outcome {
     pub engine: EngineName,
     /// Whether all checks pass.
     pub passed: bool,
+    /// Whether it was left out: the engine has no such shape.
+    pub left_out: bool,
     /// Figures; none where the engine could not do it.
     pub checks: Vec<Check>,
     /// Pictures.
@@ -118,6 +120,7 @@ fn outcome(case: &Case, rig: Rig) -> Outcome {
     let start = Instant::now();
     let done = (case.run)(&rig);
     let seconds = start.elapsed().as_secs_f64();
+    let left_out = matches!(done, Err(Error::NoShape { .. }));
     let (Findings { checks, figures }, error) = match done {
         Ok(findings) => (findings, None),
         Err(error) => (Findings::default(), Some(error.to_string())),
@@ -130,6 +133,7 @@ fn outcome(case: &Case, rig: Rig) -> Outcome {
         setup: case.setup,
         engine: rig.engine,
         passed: error.is_none() && checks.iter().all(Check::passes),
+        left_out,
         checks,
         figures,
         seconds,
@@ -161,9 +165,9 @@ impl Report {
         page::html(self)
     }
 
-    /// Cases that an engine did not pass.
+    /// Cases that an engine was driven through and did not pass.
     pub fn failed(&self, engine: EngineName) -> Vec<&'static str> {
-        let failed = self.outcomes.iter().filter(|o| o.engine == engine && !o.passed);
+        let failed = self.outcomes.iter().filter(|o| o.engine == engine && !o.passed && !o.left_out);
         failed.map(|outcome| outcome.case).collect()
     }
 }
@@ -188,6 +192,7 @@ pub(crate) mod tests {
                 setup: "A stone.",
                 engine,
                 passed: checks.iter().all(Check::passes),
+                left_out: false,
                 checks,
                 figures,
                 seconds: 0.25,

@@ -34,7 +34,8 @@ pub(crate) fn table(report: &Report) -> String {
     for outcome in &report.outcomes {
         let (case, engine) = (outcome.case.to_owned(), outcome.engine.name().to_owned());
         if let Some(error) = &outcome.error {
-            rows.push([case, engine, error.clone(), String::new(), String::new(), "FAIL".to_owned()]);
+            let verdict = if outcome.left_out { "" } else { "FAIL" };
+            rows.push([case, engine, error.clone(), String::new(), String::new(), verdict.to_owned()]);
             continue;
         }
         for check in &outcome.checks {
@@ -63,7 +64,7 @@ pub(crate) fn table(report: &Report) -> String {
 pub(crate) fn summary(report: &Report) -> String {
     let mut lines = Vec::new();
     for engine in EngineName::ALL {
-        let of = || report.outcomes.iter().filter(move |outcome| outcome.engine == engine);
+        let of = || report.outcomes.iter().filter(move |o| o.engine == engine && !o.left_out);
         if of().next().is_none() {
             continue;
         }
