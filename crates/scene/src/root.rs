@@ -88,8 +88,8 @@ substeps = 8
             "quality",
             Ty::Choice(QUALITIES),
             "\"default\"",
-            "Accuracy against speed: what `substeps`, `contact_hertz` and `bounce_sweeps` are where they are not given. `draft`: 2, 60, 1; `default`: 4, \
-             60, 1; `fine`: 8, 120, 64.",
+            "Accuracy against speed: what `substeps`, `contact_hertz`, `bounce_sweeps` and `integrator` are where they are not given. `draft`: 2, 60, 1, \
+             semi-implicit; `default`: 4, 60, 1, semi-implicit; `fine`: 8, 120, 64, second-order.",
         ),
         optional("substeps", Ty::Int(1, 1000), "Sub-steps in a frame; 4 at default quality."),
         key(
@@ -99,10 +99,9 @@ substeps = 8
             "How contacts are answered: `soft-step` carries large piles; `impulse` and `reflect` are the two responses \
              of the report.",
         ),
-        key(
+        optional(
             "integrator",
             Ty::Choice(INTEGRATORS),
-            "\"second-order\"",
             "`soft-step`: how bodies in free flight move. `second-order` is exact under gravity; `semi-implicit` Euler is ½ g h off for each second, \
              h the length of a sub-step.",
         ),
@@ -302,9 +301,10 @@ pub(crate) fn settings(world: &Table) -> Settings {
             "reflect" => Solver::Reflect,
             _ => Solver::SoftStep,
         },
-        integrator: match world.text("integrator") {
-            "semi-implicit" => Integrator::SemiImplicit,
-            _ => Integrator::SecondOrder,
+        integrator: match world.has("integrator").then(|| world.text("integrator")) {
+            Some("second-order") => Integrator::SecondOrder,
+            Some(_) => Integrator::SemiImplicit,
+            None => base.integrator,
         },
         contact_hertz: match world.has("contact_hertz") {
             true => world.f32("contact_hertz"),

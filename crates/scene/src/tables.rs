@@ -78,14 +78,14 @@ mod tests {
     #[test]
     fn what_is_written_is_read_again() {
         let settings = Settings {
-            gravity: Vec3::new(0.1, -1e-7, 3e10),
+            gravity: Vec3::new(0.1, -1e-7, 3e8),
             rate: 240.0,
             substeps: 7,
             solver: Solver::Reflect,
             integrator: Integrator::SemiImplicit,
             contact_hertz: 33.3,
             contact_damping: 0.7,
-            push_speed: 2e20,
+            push_speed: 2e5,
             restitution_threshold: 0.0,
             bounce_sweeps: 9,
             sleeping: false,

@@ -26,9 +26,10 @@ const SLOW: f32 = 1e-6;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
     /// By the velocity after the push: first order, symplectic.
-    SemiImplicit,
-    /// By the mean of the velocities before and after the push: exact under gravity.
     #[default]
+    SemiImplicit,
+    /// By the mean of the velocities before and after the push: exact under gravity. What rocks on its contacts loses less by it, too: a bowl of hulls with
+    /// balls in it went on at 50 mm/s.
     SecondOrder,
 }
 

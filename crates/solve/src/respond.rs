@@ -75,9 +75,10 @@ pub fn soft_step(
         one_sided: Softness::new(2.0 * hertz, plan.damping, h),
     };
     let transform = Transform::new(h, plan.gravity, plan.integrator);
+    let exact = plan.integrator == Integrator::SecondOrder;
     contacts.clear_totals();
     for i in 0..plan.substeps {
-        let push = Push { gravity: plan.gravity, h, first: i == 0, count: plan.pushes(i, 1) };
+        let push = Push { gravity: plan.gravity, h, first: i == 0, count: plan.pushes(i, 1), exact };
         if push.first {
             warm(contacts, columns, width, &push);
             solve(contacts, columns, width, &Stay, &step);
@@ -122,7 +123,13 @@ fn simple_step<R: Respond>(
     let start = Instant::now();
     // Half of gravity before the response and half after it: so the velocities that respond belong to the same time as the
     // places, and a perfectly elastic bounce neither gains nor loses height (see `bounce`).
-    let half = Push { gravity: plan.gravity, h: 0.5 * plan.h(), first: false, count: 0 };
+    let half = Push {
+        gravity: plan.gravity,
+        h: 0.5 * plan.h(),
+        first: false,
+        count: 0,
+        exact: plan.integrator == Integrator::SecondOrder,
+    };
     let transform = Transform::new(plan.h(), plan.gravity, Integrator::SemiImplicit);
     for i in 0..plan.substeps {
         let count = plan.pushes(i, 2);

@@ -94,10 +94,10 @@ impl Invariant {
 /// What rounding may take of a balance: impulses of 6e-8 each, in heaps of a million contacts, with what splits and unites large bodies.
 const MOMENTUM: f64 = 1e-3;
 
-/// Pushing overlaps apart lifts bodies without asking what it costs: a hundredth of the kinetic energy, and a millimetre for all that there is, are
+/// Pushing overlaps apart lifts bodies without asking what it costs: a hundredth of the kinetic energy, and two millimetres for all that there is, are
 /// let pass.
 const KINETIC: f64 = 0.01;
-const LIFT: f64 = 1e-3;
+const LIFT: f64 = 2e-3;
 
 /// The cone is kept by a square root and a division.
 const CONE: f64 = 1.0 + 1e-5;

@@ -24,7 +24,7 @@ pub enum Quality {
     /// Four.
     #[default]
     Default,
-    /// Eight, contacts twice as stiff, and restitution until it is done.
+    /// Eight, contacts twice as stiff, free flight of second order, and restitution until it is done.
     Fine,
 }
 
@@ -81,7 +81,7 @@ impl Default for Settings {
             rate: 60.0,
             substeps: 4,
             solver: Solver::SoftStep,
-            integrator: Integrator::SecondOrder,
+            integrator: Integrator::SemiImplicit,
             contact_hertz: 60.0,
             contact_damping: 0.5,
             push_speed: 3.0,
@@ -107,7 +107,13 @@ impl Settings {
         match quality {
             Quality::Draft => Settings { substeps: 2, ..default },
             Quality::Default => default,
-            Quality::Fine => Settings { substeps: 8, contact_hertz: 120.0, bounce_sweeps: 64, ..default },
+            Quality::Fine => Settings {
+                substeps: 8,
+                contact_hertz: 120.0,
+                bounce_sweeps: 64,
+                integrator: Integrator::SecondOrder,
+                ..default
+            },
         }
     }
 }

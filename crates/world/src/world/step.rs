@@ -13,7 +13,7 @@ use crate::settle::settle;
 use crate::sleep::sleep;
 use crate::sweep::{Surroundings, sweep};
 use crate::touch::{Changes, color, settle_in, touch};
-use crate::{Material, STAGES, Settings, Solver, StepReport};
+use crate::{Integrator, Material, STAGES, Settings, Solver, StepReport};
 use rayon::prelude::*;
 use rockfall_math::Vec3;
 use rockfall_solve::Surface;
@@ -88,7 +88,11 @@ impl World {
         report.frozen += settle(bodies, settings);
         clock.lap();
         if settings.continuous {
-            sweep(bodies, Surroundings { shapes, trees, starts }, settings.gravity);
+            let fallen = match settings.integrator {
+                Integrator::SemiImplicit => Vec3::ZERO,
+                Integrator::SecondOrder => settings.gravity,
+            };
+            sweep(bodies, Surroundings { shapes, trees, starts }, fallen);
         }
         clock.lap();
         if settings.sleeping {
