@@ -463,29 +463,11 @@ fn word<T: Copy>(text: &str, words: &[(&str, T)]) -> Result<T, String> {
 }
 
 fn color_by(text: &str) -> Result<ColorBy, String> {
-    let words = [
-        ("body", ColorBy::Body),
-        ("material", ColorBy::Material),
-        ("size", ColorBy::Size),
-        ("speed", ColorBy::Speed),
-        ("force", ColorBy::Force),
-        ("sleep", ColorBy::Sleep),
-        ("island", ColorBy::Island),
-        ("penetration", ColorBy::Penetration),
-    ];
-    word(text, &words)
+    word(text, &ColorBy::WORDS)
 }
 
 fn overlay(text: &str) -> Result<Overlay, String> {
-    let words = [
-        ("contacts", Overlay::Contacts),
-        ("normals", Overlay::Normals),
-        ("impulses", Overlay::Impulses),
-        ("bounds", Overlay::Bounds),
-        ("centres", Overlay::Centres),
-        ("paths", Overlay::Paths),
-    ];
-    word(text, &words)
+    word(text, &Overlay::WORDS)
 }
 
 fn quality(text: &str) -> Result<Quality, String> {

@@ -38,9 +38,7 @@ fn pictures(args: &RenderArgs, file: &File) -> Result<(), Failure> {
 
 fn of_run(args: &RenderArgs, file: &File) -> Result<(), Failure> {
     let run = Run::open(&args.path)?;
-    let times = run.times();
-    let rate = if times.len() > 1 { 1.0 / (times[1] - times[0]) } else { MOMENT };
-    let plan = Plan::new(args, file, run.frames(), rate)?;
+    let plan = Plan::new(args, file, run.frames(), run.summary().frames_per_second)?;
     let cameras = Scene::load(args.path.join(SCENE))?.cameras();
     let chosen = shots::chosen(args.look.camera.as_deref(), cameras)?;
     let recorded = Recorded::new(&run)?;
@@ -101,9 +99,6 @@ fn of_scene(args: &RenderArgs, file: &File) -> Result<(), Failure> {
     }
     output.finish(args)
 }
-
-/// Pictures a second of a film of a run that has one frame only.
-const MOMENT: f64 = 60.0;
 
 /// Size of one of the pictures on a sheet.
 const SMALL: Size = Size { width: 480, height: 270 };

@@ -11,12 +11,12 @@ use crate::shots::{self, Shots};
 use crate::{say, summary, units};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use rockfall_cache::{SCENE, SUMMARY, Summary};
+use rockfall_cache::SCENE;
 use rockfall_export::Run;
 use rockfall_picture::{Recorded, Sight, sheet};
 use rockfall_plot::{FOOT, escape, head};
 use rockfall_scene::Scene;
-use std::fs;
+use std::fs::{self, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use table::Table;
@@ -43,13 +43,16 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Failure> {
     let run = Run::open(&args.run)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.html", name(&args.run))));
     let failed = |error: std::io::Error| Failure::Run(format!("cannot write {}: {error}", output.display()));
-    // Found out before the work begins.
-    fs::write(&output, "").map_err(failed)?;
+    // Whether it can be written is found out before the work begins, and what is there stays until there is a page.
+    let fresh = !output.exists();
+    OpenOptions::new().append(true).create(true).open(&output).map_err(failed)?;
     let made = page(args, &run, &output)
         .and_then(|page| fs::write(&output, &page).map_err(failed).map(|()| page.len()));
     let bytes = made.inspect_err(|_| {
-        // An empty page is worth nothing; what went wrong is said anyway.
-        let _ = fs::remove_file(&output);
+        if fresh {
+            // An empty page is worth nothing; what went wrong is said anyway.
+            let _ = fs::remove_file(&output);
+        }
     })?;
     if !args.quiet {
         let (size, time) = (units::bytes(bytes as u64), units::time(start.elapsed()));
@@ -65,11 +68,10 @@ fn name(run: &Path) -> String {
 }
 
 fn page(args: &ReportArgs, run: &Run, output: &Path) -> Result<String, Failure> {
-    let summary = Summary::read(&args.run.join(SUMMARY))?;
     let table = Table::read(&args.run)?;
     let sections = curves::sections(run, &table)?;
     let mut text = head(&format!("Run {}", name(&args.run)), STYLE);
-    let (sentence, facts) = summary::facts(&summary);
+    let (sentence, facts) = summary::facts(run.summary());
     text += &format!(
         "<p>{}</p>\n<nav aria-label=\"Sections\"><a href=\"#seen\">Pictures</a><a href=\"#figures\">Figures</a>",
         escape(&sentence)
@@ -128,9 +130,7 @@ fn moving(args: &ReportArgs, run: &Run, film: Option<&Path>, output: &Path) -> R
         bytes
     } else {
         let path = output.with_extension("html.mp4");
-        let times = run.times();
-        let rate = if times.len() > 1 { 1.0 / (times[1] - times[0]) } else { 1.0 };
-        let Pace { every, rate } = Pace::new(rate, None, None);
+        let Pace { every, rate } = Pace::new(run.summary().frames_per_second, None, None);
         let frames: Vec<u64> = (0..run.frames()).step_by(every as usize).collect();
         let mut reel = Reel::start(&path, FILM, rate, frames.len() as u64, args.quality)?;
         let made =

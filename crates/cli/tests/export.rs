@@ -101,9 +101,7 @@ fn every_option_of_usd_does_what_it_says() {
         ("--to usd -o run.usdc", 1, "run.usdc exists"),
         ("--to usd --clips 4 -o run.usdc --overwrite", 1, "run.usdc"),
     ] {
-        let export = place.rockfall(&format!("export run {arguments}"));
-        expect(&export, code);
-        assert!(error(&export).contains(text), "{arguments}: {}", error(&export));
+        place.refuses(&format!("export run {arguments}"), code, text);
     }
 }
 
@@ -127,15 +125,11 @@ fn exit_codes_tell_usage_from_what_is_in_the_way_and_from_the_scene() {
         ("run --to csv -o new.csv --frames 5..3", 2, "the first frame, 5, is behind the last, 3"),
         ("run --to usdx", 2, "invalid value 'usdx'"),
     ] {
-        let export = place.rockfall(&format!("export {arguments}"));
-        expect(&export, code);
-        assert!(error(&export).contains(text), "{}", error(&export));
+        place.refuses(&format!("export {arguments}"), code, text);
     }
     assert!(!place.path("new.csv").exists());
     fs::write(place.path("run/scene.toml"), "[shapes.ball]\nkind = \"spere\"\n").unwrap();
-    let export = place.rockfall("export run --to vtp");
-    expect(&export, 3);
-    assert!(error(&export).contains("scene.toml:2"), "{}", error(&export));
+    place.refuses("export run --to vtp", 3, "scene.toml:2");
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! What films and contact sheets promise to those who call the program. Pictures are compared by `ffmpeg`; without it the tests tell so and end, with `CI` set they fail.
 
-#[allow(dead_code, reason = "others wait for what these need not wait for")]
 mod common;
 
 use common::{Place, error, expect, out};
@@ -193,9 +192,7 @@ fn whatever_is_wrong_with_a_film_is_said_before_the_work_begins() {
         ("run -o a.mp4 --blur 2", 2, "expected a number from 0.001 to 1"),
         ("run -o a.avi", 2, "expected NAME.png, NAME.exr or NAME.mp4"),
     ] {
-        let said = place.rockfall(&format!("render {options} --quiet"));
-        expect(&said, code);
-        assert!(error(&said).contains(expected), "{options}: {}", error(&said));
+        place.refuses(&format!("render {options} --quiet"), code, expected);
         assert!(!place.path("a.mp4").exists(), "{options}");
     }
     for (options, expected) in
@@ -212,9 +209,7 @@ fn a_full_disk_ends_the_film_and_not_the_run() {
     // So slow that each picture is written at once.
     let place = Place::with("small.toml", &SCENE.replace("rate = 30", "rate = 2"));
     std::os::unix::fs::symlink("/dev/full", place.path("full.mp4")).unwrap();
-    let said = place.rockfall("run small.toml --frames 4 --out run --film full.mp4 --quiet");
-    expect(&said, 1);
-    assert!(error(&said).contains("cannot write full.mp4"), "{}", error(&said));
+    place.refuses("run small.toml --frames 4 --out run --film full.mp4 --quiet", 1, "cannot write full.mp4");
     expect(&place.rockfall("verify run"), 0);
     let summary = fs::read_to_string(place.path("run/summary.json")).unwrap();
     assert!(summary.contains("\"finished\""), "{summary}");

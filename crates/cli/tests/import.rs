@@ -74,7 +74,5 @@ fn a_file_that_is_no_scene_is_refused() {
     let bad = place.rockfall("run bad.usdc --dry-run");
     expect(&bad, 3);
     assert!(error(&bad).contains("bad.usdc") && error(&bad).contains("usdc"), "{}", error(&bad));
-    let missing = place.rockfall("info missing.glb");
-    expect(&missing, 3);
-    assert!(error(&missing).contains("no such file"), "{}", error(&missing));
+    place.refuses("info missing.glb", 3, "no such file");
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Place, error, expect, out, signal, wait_for};
-use rockfall_cache::{RunReader, SUMMARY, Status, TRAJECTORY};
+use rockfall_cache::{RunReader, SUMMARY, Status, Summary, TRAJECTORY};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -77,6 +77,23 @@ fn a_run_leaves_its_four_parts_and_says_so() {
     let info = place.rockfall("info result");
     expect(&info, 0);
     assert!(out(&info).contains("31 of 31, the start included"), "{}", out(&info));
+}
+
+/// A crate that stands half in the ground is lifted out of it: that is energy from nowhere, and the run says so. One that stands on it is none.
+#[test]
+fn a_run_tells_which_invariants_it_broke() {
+    let place = place();
+    for (height, broken) in [("0", true), ("0.5", false)] {
+        let scene = SCENE.replace("[0, 0, 4]\nrotation = [10, 20, 30]", &format!("[5, 0, {height}]"));
+        fs::write(place.path("crate.toml"), scene).unwrap();
+        let run = place.rockfall("run crate.toml --out crate --overwrite");
+        expect(&run, 0);
+        assert_eq!(out(&run).contains("energy broken"), broken, "{}", out(&run));
+        let breaches = Summary::read(&place.path("crate").join(SUMMARY)).unwrap().broken;
+        let told: Vec<&str> = breaches.iter().map(|breach| breach.invariant.as_str()).collect();
+        assert_eq!(told, if broken { vec!["energy"] } else { vec![] });
+        assert!(breaches.iter().all(|breach| breach.first >= 1 && breach.frames >= 1 && breach.worst > 0.0));
+    }
 }
 
 #[test]
@@ -186,17 +203,13 @@ fn runs_without_a_folder_are_numbered() {
 fn a_folder_in_use_is_exit_code_1_and_stays_as_it_was() {
     let place = place();
     expect(&place.rockfall("run small.toml --out result"), 0);
-    let again = place.rockfall("run small.toml --out result --frames 2");
-    expect(&again, 1);
-    assert!(error(&again).contains("result holds a run already"), "{}", error(&again));
+    place.refuses("run small.toml --out result --frames 2", 1, "result holds a run already");
     assert_eq!(RunReader::open(&place.path("result")).unwrap().frames().unwrap(), 31);
     expect(&place.rockfall("run small.toml --out result --frames 2 --overwrite"), 0);
     assert_eq!(RunReader::open(&place.path("result")).unwrap().frames().unwrap(), 3);
 
     // The folder of the scene itself.
-    let here = place.rockfall("run small.toml --out . --overwrite");
-    expect(&here, 1);
-    assert!(error(&here).contains("is neither empty nor a run"), "{}", error(&here));
+    place.refuses("run small.toml --out . --overwrite", 1, "is neither empty nor a run");
     assert_eq!(fs::read_to_string(place.path("small.toml")).unwrap(), SCENE);
     expect(&place.rockfall("info result/frames.csv"), 3);
     expect(&place.rockfall("info runs-that-never-were"), 3);
@@ -233,9 +246,7 @@ fn a_wrong_scene_is_exit_code_3_with_its_place() {
         let text = error(&run);
         assert!(text.contains("wrong.toml:9:1") && text.contains("radus"), "{text}");
     }
-    let missing = place.rockfall("run missing.toml");
-    expect(&missing, 3);
-    assert!(error(&missing).contains("missing.toml does not exist"), "{}", error(&missing));
+    place.refuses("run missing.toml", 3, "missing.toml does not exist");
     assert!(!place.path("runs").exists());
 }
 
@@ -318,9 +329,7 @@ fn nobody_listening_is_no_failure() {
 fn the_bench_tells_how_to_get_it() {
     let place = place();
     for arguments in ["bench", "bench --scene pyramid --threads=1,2", "bench --help"] {
-        let ended = place.rockfall(arguments);
-        expect(&ended, 2);
-        assert!(error(&ended).contains("--features bench"), "{}", error(&ended));
+        place.refuses(arguments, 2, "--features bench");
     }
 }
 
@@ -353,9 +362,7 @@ fn validation_tells_what_it_finds_and_fails_where_the_default_solver_does() {
     expect(&failed, 4);
     let report: serde_json::Value = serde_json::from_str(&out(&failed)).expect("JSON");
     assert_eq!(report["outcomes"].as_array().map(Vec::len), Some(4), "two cases, two solvers");
-    let unknown = place.rockfall("validate --only nonsense");
-    expect(&unknown, 2);
-    assert!(error(&unknown).contains("there is no case and no group `nonsense`"), "{}", error(&unknown));
+    place.refuses("validate --only nonsense", 2, "there is no case and no group `nonsense`");
     let list = place.rockfall("validate --list --only friction");
     expect(&list, 0);
     assert!(out(&list).starts_with("block-on-slope  A block on a slope\n"), "{}", out(&list));

@@ -1,6 +1,5 @@
 //! What `rockfall render` promises to those who call it. What is in the pictures is tested where they are made.
 
-#[allow(dead_code, reason = "others wait for what these need not wait for")]
 mod common;
 
 use common::{Place, error, expect, out};
@@ -118,14 +117,10 @@ fn whatever_is_wrong_is_said_and_nothing_is_written() {
         ("run --size 0x9", 2, "expected WIDTHxHEIGHT"),
         ("run --quality best", 2, "expected one of draft, default, fine"),
     ] {
-        let said = place.rockfall(&format!("render {options} --quiet"));
-        expect(&said, code);
-        assert!(error(&said).contains(expected), "{options}: {}", error(&said));
+        place.refuses(&format!("render {options} --quiet"), code, expected);
     }
     fs::create_dir(place.path("a.png")).unwrap();
-    let said = place.rockfall("render run -o a.png --size 32x32 --quality draft");
-    expect(&said, 1);
-    assert!(error(&said).contains("cannot write a.png"), "{}", error(&said));
+    place.refuses("render run -o a.png --size 32x32 --quality draft", 1, "cannot write a.png");
     let pictures = |entry: fs::DirEntry| {
         let name = entry.file_name().into_string().unwrap();
         (name.ends_with(".png") || name.ends_with(".exr")) && entry.path().is_file()

@@ -1,6 +1,5 @@
 //! What `rockfall report` promises to those who call it.
 
-#[allow(dead_code, reason = "others wait for what these need not wait for")]
 mod common;
 
 use common::{Place, error, expect, out};
@@ -83,14 +82,14 @@ fn whatever_is_wrong_is_said_and_no_page_is_left() {
         ("run -o a.html --film gone.mp4", 1, "cannot read gone.mp4"),
         ("run --quality best", 2, "expected one of draft, default, fine"),
     ] {
-        let said = place.rockfall(&format!("report {options}"));
-        expect(&said, code);
-        assert!(error(&said).contains(expected), "{options}: {}", error(&said));
+        place.refuses(&format!("report {options}"), code, expected);
         assert!(!place.path("a.html").exists(), "{options}");
     }
+    // What was there stays.
+    fs::write(place.path("old.html"), "old").unwrap();
+    place.refuses("report run -o old.html --film gone.mp4", 1, "cannot read gone.mp4");
+    assert_eq!(fs::read_to_string(place.path("old.html")).unwrap(), "old");
     // A run without its table.
     fs::remove_file(place.path("run/frames.csv")).unwrap();
-    let said = place.rockfall("report run -o a.html");
-    expect(&said, 1);
-    assert!(error(&said).contains("frames.csv"), "{}", error(&said));
+    place.refuses("report run -o a.html", 1, "frames.csv");
 }

@@ -263,16 +263,12 @@ fn a_checkpoint_of_another_scene_or_version_is_refused() {
     let scene = place.path("part").join(SCENE);
     let text = fs::read_to_string(&scene).unwrap();
     fs::write(&scene, text.replace("0.4", "0.41")).unwrap();
-    let run = place.rockfall("run --resume part");
-    expect(&run, 1);
-    assert!(error(&run).contains("it belongs to a world with other scene.toml"), "{}", error(&run));
+    place.refuses("run --resume part", 1, "it belongs to a world with other scene.toml");
     fs::write(&scene, &text).unwrap();
     for checkpoint in Checkpoint::all(&place.path("part")).unwrap() {
         damage(&checkpoint.path, |bytes| bytes[12..16].copy_from_slice(&77_u32.to_ne_bytes()));
     }
-    let run = place.rockfall("run --resume part");
-    expect(&run, 1);
-    assert!(error(&run).contains("it has version 77"), "{}", error(&run));
+    place.refuses("run --resume part", 1, "it has version 77");
     // What is no run can't go on.
     expect(&place.rockfall("run --resume nowhere"), 1);
     for arguments in [

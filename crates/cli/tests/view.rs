@@ -1,6 +1,5 @@
 //! What `rockfall view` promises to those who call it. What the server and the page do is tested where they are.
 
-#[allow(dead_code, reason = "others send signals and read standard output")]
 mod common;
 
 use common::{Place, error, expect, wait_for};
@@ -57,9 +56,7 @@ fn whatever_is_wrong_is_said_before_anything_is_shown() {
         ("view small.toml --port 70000", 2, "70000"),
         ("view small.toml --threads 0", 2, "invalid value '0'"),
     ] {
-        let said = place.rockfall(arguments);
-        expect(&said, code);
-        assert!(error(&said).contains(expected), "{arguments}: {}", error(&said));
+        place.refuses(arguments, code, expected);
     }
 }
 

@@ -7,7 +7,7 @@ use rockfall::Kind;
 use rockfall_math::{Aabb, DVec3, Vec3};
 
 /// What can be drawn over a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Overlay {
     /// A dot at each point of contact.
     Contacts,
@@ -57,6 +57,16 @@ impl Stroke {
 }
 
 impl Overlay {
+    /// All of them with their words, for people who ask for one.
+    pub const WORDS: [(&'static str, Overlay); 6] = [
+        ("contacts", Overlay::Contacts),
+        ("normals", Overlay::Normals),
+        ("impulses", Overlay::Impulses),
+        ("bounds", Overlay::Bounds),
+        ("centres", Overlay::Centres),
+        ("paths", Overlay::Paths),
+    ];
+
     /// Draws it over the picture of `sight` that `camera` took.
     ///
     /// # Errors

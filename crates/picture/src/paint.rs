@@ -10,7 +10,7 @@ use rockfall::Kind;
 use rockfall_math::Vec3;
 
 /// What colours tell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ColorBy {
     /// Which body it is: stones of many colours.
     #[default]
@@ -43,6 +43,28 @@ enum Told {
 const BEYOND: usize = 100;
 
 impl ColorBy {
+    /// All of them with their words, for people who ask for one.
+    pub const WORDS: [(&'static str, ColorBy); 8] = [
+        ("body", ColorBy::Body),
+        ("material", ColorBy::Material),
+        ("size", ColorBy::Size),
+        ("speed", ColorBy::Speed),
+        ("force", ColorBy::Force),
+        ("sleep", ColorBy::Sleep),
+        ("island", ColorBy::Island),
+        ("penetration", ColorBy::Penetration),
+    ];
+
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        ColorBy::WORDS[self as usize].0
+    }
+
+    /// Whether the colour of a body may change from frame to frame.
+    pub fn changes(self) -> bool {
+        !matches!(self, ColorBy::Body | ColorBy::Material | ColorBy::Size)
+    }
+
     /// Its title and unit.
     fn title(self) -> (&'static str, &'static str) {
         match self {

@@ -1,11 +1,12 @@
-//! Stage 10, **bounce**: restitution, once, after all sub-steps.
+//! Stage 10, **bounce**: restitution, once a step, after all sub-steps.
 //!
 //! Reads the approach velocities that [`crate::contacts`] measured before the step and the largest impulses of the step; writes
 //! impulses and velocities. A point bounces if it approached faster than a threshold and was pressed at any time. Its share
 //! of normal impulse allows friction its share too: over fall and rebound together Coulomb's bound is μ (1 + e) m v.
 //!
-//! Where one that bounces touches others, what one contact gives another one takes away, so the sweep is repeated until little
-//! changes. Newton's law for all contacts at once, v⁺ ≥ −e v⁻ where none pulls and each that presses has equality, keeps the energy
+//! Where one that bounces touches others, what one contact gives another one takes away, so the sweep is repeated, where
+//! [`Plan::bounces`] allows it, until little changes. Newton's law for all contacts at once, v⁺ ≥ −e v⁻ where none pulls and each
+//! that presses has equality, keeps the energy
 //! for e = 1 whoever touches whom: it changes by ½ Σ λ (v⁺ + v⁻) = 0. So from the second sweep on points take part that were pressed and
 //! did not hit: what parted at v⁻ > 0 may close at e v⁻, to bounce in the next step.
 //!

@@ -124,8 +124,9 @@ impl Terms {
 
     /// Rockfall's defaults at a quality.
     pub(crate) fn of(quality: Quality) -> Terms {
-        let Settings { substeps, contact_hertz: hertz, bounce_sweeps: sweeps, .. } = Settings::of(quality);
-        Terms { substeps, hertz, sweeps, ..Terms::FRAMES }
+        let settings = Settings::of(quality);
+        let Settings { substeps, contact_hertz: hertz, bounce_sweeps: sweeps, integrator, .. } = settings;
+        Terms { substeps, hertz, sweeps, integrator, ..Terms::FRAMES }
     }
 
     /// Length of a step, s.

@@ -2,7 +2,8 @@
 
 use rockfall_math::{DVec3, Vec3};
 use rockfall_picture::{ColorBy, Overlay};
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 
 /// One command of the page, as JSON with the tag `do`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -23,7 +24,13 @@ pub(crate) enum Command {
     /// Writes what is shown as a scene.
     Save,
     /// What this viewer wants to see.
-    Show { color: Color, overlays: Vec<Mark>, pick: Option<u32> },
+    Show {
+        #[serde(deserialize_with = "color")]
+        color: ColorBy,
+        #[serde(deserialize_with = "overlays")]
+        overlays: Vec<Overlay>,
+        pick: Option<u32>,
+    },
     /// Takes hold of a body at a point of the world.
     Grab { row: u32, at: [f64; 3] },
     /// Pulls it there.
@@ -40,73 +47,21 @@ pub(crate) enum Command {
     Material { index: usize, friction: Option<f32>, restitution: Option<f32> },
 }
 
-/// The modes of colour by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Color {
-    #[default]
-    Body,
-    Material,
-    Size,
-    Speed,
-    Force,
-    Sleep,
-    Island,
-    Penetration,
+/// A mode of colour by its word.
+fn color<'de, D: Deserializer<'de>>(from: D) -> Result<ColorBy, D::Error> {
+    let text = String::deserialize(from)?;
+    word(&text, &ColorBy::WORDS).map_err(D::Error::custom)
 }
 
-impl Color {
-    pub(crate) const NAMES: [&str; 8] =
-        ["body", "material", "size", "speed", "force", "sleep", "island", "penetration"];
-
-    pub(crate) fn mode(self) -> ColorBy {
-        match self {
-            Color::Body => ColorBy::Body,
-            Color::Material => ColorBy::Material,
-            Color::Size => ColorBy::Size,
-            Color::Speed => ColorBy::Speed,
-            Color::Force => ColorBy::Force,
-            Color::Sleep => ColorBy::Sleep,
-            Color::Island => ColorBy::Island,
-            Color::Penetration => ColorBy::Penetration,
-        }
-    }
-
-    pub(crate) fn name(self) -> &'static str {
-        Color::NAMES[self as usize]
-    }
-
-    /// Whether it changes from frame to frame.
-    pub(crate) fn moves(self) -> bool {
-        !matches!(self, Color::Body | Color::Material | Color::Size)
-    }
+/// Overlays by their words.
+fn overlays<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Overlay>, D::Error> {
+    let texts = Vec::<String>::deserialize(from)?;
+    texts.iter().map(|text| word(text, &Overlay::WORDS).map_err(D::Error::custom)).collect()
 }
 
-/// Overlays by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum Mark {
-    Contacts,
-    Normals,
-    Impulses,
-    Bounds,
-    Centres,
-    Paths,
-}
-
-impl Mark {
-    pub(crate) const NAMES: [&str; 6] = ["contacts", "normals", "impulses", "bounds", "centres", "paths"];
-
-    pub(crate) fn overlay(self) -> Overlay {
-        match self {
-            Mark::Contacts => Overlay::Contacts,
-            Mark::Normals => Overlay::Normals,
-            Mark::Impulses => Overlay::Impulses,
-            Mark::Bounds => Overlay::Bounds,
-            Mark::Centres => Overlay::Centres,
-            Mark::Paths => Overlay::Paths,
-        }
-    }
+fn word<T: Copy>(text: &str, words: &[(&str, T)]) -> Result<T, String> {
+    let found = words.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
+    found.ok_or_else(|| format!("there is no `{text}`"))
 }
 
 impl Command {
@@ -132,13 +87,14 @@ pub(crate) fn vector(numbers: [f32; 3]) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn commands_are_read_and_rubbish_is_named() {
         assert_eq!(Command::read(r#"{"do":"play","on":true}"#), Ok(Command::Play { on: true }));
         assert_eq!(
             Command::read(r#"{"do":"show","color":"speed","overlays":["contacts"],"pick":null}"#),
-            Ok(Command::Show { color: Color::Speed, overlays: vec![Mark::Contacts], pick: None })
+            Ok(Command::Show { color: ColorBy::Speed, overlays: vec![Overlay::Contacts], pick: None })
         );
         for rubbish in [
             "",
@@ -154,13 +110,18 @@ mod tests {
     }
 
     #[test]
-    fn names_are_those_that_are_read() {
-        for (k, name) in Color::NAMES.iter().enumerate() {
-            let color: Color = serde_json::from_str(&format!("\"{name}\"")).unwrap();
-            assert_eq!((color as usize, color.name()), (k, *name));
+    fn words_are_those_that_are_read() {
+        let show = |color: &str, overlay: &str| {
+            let text = json!({"do": "show", "color": color, "overlays": [overlay], "pick": null});
+            Command::read(&text.to_string())
+        };
+        for (word, color) in ColorBy::WORDS {
+            for (mark, overlay) in Overlay::WORDS {
+                let read = Command::Show { color, overlays: vec![overlay], pick: None };
+                assert_eq!(show(word, mark), Ok(read));
+            }
+            assert_eq!(color.word(), word);
         }
-        for (k, name) in Mark::NAMES.iter().enumerate() {
-            assert_eq!(serde_json::from_str::<Mark>(&format!("\"{name}\"")).unwrap() as usize, k);
-        }
+        assert!(show("colour", "paths").is_err() && show("body", "path").is_err());
     }
 }

@@ -5,12 +5,13 @@ mod publish;
 mod words;
 
 use crate::Error;
-use crate::command::{Color, Command, Mark};
+use crate::command::Command;
 use crate::outbox::Outbox;
 use crate::source::Source;
 use crate::wire::Moment;
 use publish::STATUS;
 use rockfall::Solver;
+use rockfall_picture::{ColorBy, Overlay};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -48,11 +49,11 @@ pub(crate) enum Order {
 #[derive(Debug)]
 struct Viewer {
     outbox: Arc<Outbox>,
-    color: Color,
-    marks: Vec<Mark>,
+    color: ColorBy,
+    marks: Vec<Overlay>,
     pick: Option<u32>,
     /// What its colours were made of: mode and number of bodies that are there.
-    painted: Option<(Color, usize, usize)>,
+    painted: Option<(ColorBy, usize, usize)>,
     marked: bool,
 }
 
@@ -216,7 +217,7 @@ impl Director {
                 outbox.answer(self.hello().to_string().into());
                 let viewer = Viewer {
                     outbox,
-                    color: Color::default(),
+                    color: ColorBy::default(),
                     marks: Vec::new(),
                     pick: None,
                     painted: None,

@@ -39,7 +39,8 @@ pub struct Settings {
     pub substeps: u32,
     /// How contacts are answered.
     pub solver: Solver,
-    /// How positions follow from velocities in free flight. `SoftStep` alone; the simple solvers are semi-implicit.
+    /// How positions follow from velocities in free flight. Of second order, velocities gather no rounding either, with any solver; positions of the
+    /// simple solvers are semi-implicit all the same.
     pub integrator: Integrator,
     /// Natural frequency of the soft position correction, Hz; never used above a quarter of the sub-step rate.
     pub contact_hertz: f32,
@@ -51,7 +52,8 @@ pub struct Settings {
     /// Restitution acts on contacts that close faster than this, m/s.
     pub restitution_threshold: f32,
     /// Sweeps of restitution, at most; it ends earlier where nothing bounces any more. One is enough for bodies that hit one by one. A heap of
-    /// elastic bodies that hits the ground keeps its energy with some forty, and may take four times as long for it while it bounces.
+    /// elastic bodies that hits the ground keeps its energy with some forty, and takes three to seven times as long for it as for all sub-steps while it
+    /// bounces.
     pub bounce_sweeps: u32,
     /// Bodies at rest fall asleep.
     pub sleeping: bool,
@@ -100,8 +102,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The defaults at a quality: sub-steps, stiffness of contacts, sweeps of restitution. `docs/performance.md` has what each costs, `rockfall
-    /// validate --only quality` what each buys.
+    /// The defaults at a quality: sub-steps, stiffness of contacts, integrator, sweeps of restitution. `docs/validation.md` has what each buys and
+    /// costs, by `rockfall validate --only quality`.
     pub fn of(quality: Quality) -> Self {
         let default = Settings::default();
         match quality {

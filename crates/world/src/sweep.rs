@@ -3,7 +3,7 @@
 //! Reads drift, poses and the trees; writes poses and velocities. A body that moves further in a step than contacts can see ahead is taken along its
 //! way from the start of the step, and stopped where it would begin to pass *through* another (see
 //! [`rockfall_collide::passage`]): the core of one reaches the other. What is left of its way it goes along that body, so that nothing that
-//! is fast stands still; its velocity is left to the contact that the next step finds there, less what gravity gave it on the way that it did not
+//! is fast stands still; its velocity is left to the contact that the next step finds there, less what `gravity` gave it on the way that it did not
 //! go.
 //!
 //! 1. [`fly`](flight::fly) takes each fast body past those that contacts can't move, beside all others.
@@ -39,7 +39,7 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) starts: &'a [Quat],
 }
 
-/// Stops fast bodies at what they would pass through.
+/// Stops fast bodies at what they would pass through. `gravity`, m/s², is that whose work is taken back; zero where it is not.
 pub(crate) fn sweep(bodies: &mut Bodies, around: Surroundings<'_>, gravity: Vec3) {
     for flight in stopped(bodies, around) {
         let (row, drift) = (flight.row as usize, flight.drift());

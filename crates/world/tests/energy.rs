@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{Numbers, Stage, frames, rubs};
+use common::{Numbers, Stage, fine, frames, rubs};
 use rockfall::math::{DVec3, Pose, Vec3};
 use rockfall::shape::Hull;
-use rockfall::{Body, Material, Settings, Shape, ShapeId};
+use rockfall::{Body, Integrator, Material, Settings, Shape, ShapeId};
 use std::sync::Arc;
 
 /// One of each convex shape, about half a metre across.
@@ -116,6 +116,30 @@ fn collisions_in_free_space_keep_momentum() {
         assert!(gain < 1e-3 * start, "gained {gain} J of {start}");
         assert!(end < 0.95 * start, "nobody met");
     }
+}
+
+/// Promise: 64 elastic balls that fall onto each other and the ground keep their energy to 0.1 % where restitution goes on until nothing bounces, and
+/// not where it is one sweep.
+#[test]
+fn elastic_balls_that_meet_at_once_keep_their_energy() {
+    let lost = [1, 64].map(|bounce_sweeps| {
+        let integrator = Integrator::SecondOrder;
+        let settings = Settings { bounce_sweeps, integrator, restitution_threshold: 0.0, ..fine() };
+        let mut stage = Stage::on_ground(settings, rubs(0.0, 1.0));
+        let ball = stage.ball(0.1);
+        let mut random = Numbers(42);
+        for i in 0..64 {
+            let place = DVec3::new(f64::from(i % 4), f64::from(i / 4 % 4), f64::from(i / 16)) * 0.21;
+            let place = place + random.vector() * 1e-3 + DVec3::Z * 0.6;
+            stage.put(stage.body(ball, Pose::at(place)));
+        }
+        stage.steps(1);
+        let start = stage.total_energy();
+        stage.steps(1500);
+        (1.0 - stage.total_energy() / start).abs()
+    });
+    println!("one sweep loses {:e} of the energy, many {:e}", lost[0], lost[1]);
+    assert!(lost[1] < 1e-3 && lost[0] > 4.0 * lost[1], "{lost:?}");
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! `frames.csv` as columns of numbers.
 
 use crate::exit::Failure;
+use rockfall_cache::FRAMES;
 use std::fs;
 use std::path::Path;
-
-/// The file of a run with a row for each frame.
-const FILE: &str = "frames.csv";
 
 /// Columns by their names, in their order.
 #[derive(Debug, Default)]
@@ -17,7 +15,7 @@ pub(super) struct Table {
 impl Table {
     /// That of a run; of one that is still being written up to its last whole row.
     pub(super) fn read(run: &Path) -> Result<Self, Failure> {
-        let path = run.join(FILE);
+        let path = run.join(FRAMES);
         let text = fs::read_to_string(&path)
             .map_err(|error| Failure::Run(format!("cannot read {}: {error}", path.display())))?;
         Ok(Table::parse(&text))

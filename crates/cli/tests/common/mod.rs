@@ -1,5 +1,7 @@
 //! What the tests of the program share.
 
+#![allow(dead_code)] // Every test file uses another part of it.
+
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Child, Command, Output};
@@ -30,6 +32,14 @@ impl Place {
 
     pub(crate) fn rockfall(&self, arguments: &str) -> Output {
         self.command(arguments).output().unwrap()
+    }
+
+    /// The program ends with that code, and says why.
+    #[track_caller]
+    pub(crate) fn refuses(&self, arguments: &str, code: i32, why: &str) {
+        let said = self.rockfall(arguments);
+        expect(&said, code);
+        assert!(error(&said).contains(why), "{arguments}: {}", error(&said));
     }
 }
 

@@ -1,9 +1,9 @@
 //! What is newest, into the outboxes of all viewers.
 
 use super::{Director, Viewer};
-use crate::command::{Color, Mark};
 use crate::wire::{ABSENT, Colors};
 use crate::{details, told};
+use rockfall_picture::{ColorBy, Overlay};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -55,8 +55,8 @@ impl Director {
     fn details(&mut self) {
         let Some(moment) = self.moment.clone() else { return };
         let there = moment.records.iter().filter(|record| **record != ABSENT).count();
-        let key = |color: Color| {
-            let frame = if color.moves() { moment.frame as usize } else { 0 };
+        let key = |color: ColorBy| {
+            let frame = if color.changes() { moment.frame as usize } else { 0 };
             (color, there, frame)
         };
         let wants = |viewer: &Viewer| {
@@ -73,8 +73,8 @@ impl Director {
         let sight = self.source.sight(moment.frame);
         // What stays the same is known also of what has been.
         let newest = if sight.is_err() { Some(self.source.sight(self.source.range().last)) } else { None };
-        let mut painted: BTreeMap<Color, Result<Arc<Colors>, String>> = BTreeMap::new();
-        let mut marked: BTreeMap<Vec<Mark>, Marked> = BTreeMap::new();
+        let mut painted: BTreeMap<ColorBy, Result<Arc<Colors>, String>> = BTreeMap::new();
+        let mut marked: BTreeMap<Vec<Overlay>, Marked> = BTreeMap::new();
         let (source, scenery) = (&self.source, &moment.scenery);
         for viewer in self.viewers.values_mut() {
             let outbox = &viewer.outbox;
@@ -83,7 +83,7 @@ impl Director {
             };
             if viewer.painted != Some(key(viewer.color)) {
                 let made = painted.entry(viewer.color).or_insert_with(|| {
-                    let sight = newest.as_ref().filter(|_| !viewer.color.moves()).unwrap_or(&sight);
+                    let sight = newest.as_ref().filter(|_| !viewer.color.changes()).unwrap_or(&sight);
                     let sight = sight.as_ref().map_err(ToString::to_string)?;
                     details::colors(sight, viewer.color, scenery)
                         .map(Arc::new)

@@ -1,9 +1,9 @@
 //! What viewers are told in words: once, and then again and again.
 
 use super::{Director, SOLVERS};
-use crate::command::{Color, Mark};
 use crate::wire::ABSENT;
 use rockfall::STAGES;
+use rockfall_picture::{ColorBy, Overlay};
 use serde_json::{Value, json};
 
 impl Director {
@@ -26,8 +26,8 @@ impl Director {
             "cameras": self.cameras,
             "stages": STAGES,
             "solvers": SOLVERS.map(|(name, _)| name),
-            "colors": Color::NAMES,
-            "overlays": Mark::NAMES,
+            "colors": ColorBy::WORDS.map(|(word, _)| word),
+            "overlays": Overlay::WORDS.map(|(word, _)| word),
         })
     }
 
