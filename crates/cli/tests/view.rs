@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Place, error, expect, wait_for};
+use common::{Place, wait_for};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
