@@ -1,6 +1,5 @@
 //! What the program promises of scenes of other programs.
 
-#[expect(dead_code, reason = "nobody waits for anything here")]
 mod common;
 
 use common::{Place, error, expect, out};

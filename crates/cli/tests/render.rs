@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Place, error, expect, out};
+use common::{Place, expect, out};
 use std::fs;
 
 /// A ball falls on a box on the ground.
