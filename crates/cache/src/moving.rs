@@ -34,8 +34,10 @@ const MANY: usize = 1 << 18;
 
 /// Frames that are turned over at once; it divides the frames of every chunk.
 const STRIP: usize = 8;
-/// Bodies whose numbers of sixteen frames, some 16 KB, fit into the nearest cache.
+/// Bodies whose numbers of eight frames, 8 KB at most, fit into the nearest cache,
 const BLOCK: usize = 64;
+/// with so many numbers each.
+const MOST_WIDTH: usize = 4;
 
 /// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here, and with it kept on
 /// they take as long.
@@ -199,39 +201,53 @@ impl Moving {
         coder.compressor.compress(&coder.planes)
     }
 
-    /// The numbers of a few bodies, all axes, are in the nearest cache while they are turned over.
+    /// The numbers of a few bodies, all axes, are copied into the nearest cache, and turned over there: from frame by frame to body by body.
     fn shuffle<const BYTES: usize>(&self, values: &[i32], column: usize, planes: &mut [u8]) {
         let delta = self.numbers != Numbers::Bits;
-        let bodies = self.of_column(column);
-        let mut parts = planes.chunks_exact_mut(self.span * self.chunk * self.width);
+        let (bodies, width) = (self.of_column(column), self.width);
+        let mut parts = planes.chunks_exact_mut(self.span * self.chunk * width);
         let mut planes: [&mut [u8]; BYTES] = std::array::from_fn(|_| parts.next().unwrap_or_default());
-        let frames: Vec<&[i32]> = values.chunks_exact((self.bodies * self.width).max(1)).collect();
+        let frames: Vec<&[i32]> = values.chunks_exact((self.bodies * width).max(1)).collect();
         let absent = self.numbers.absent();
         let value = |frame: usize, axis: usize, body: usize| {
             let body = bodies.start + body;
-            if body < bodies.end { frames[frame][body * self.width + axis] } else { absent }
+            if body < bodies.end { frames[frame][body * width + axis] } else { absent }
         };
+        // Differences go on from body to body and from axis to axis.
+        let before = |frame: usize, axis: usize, body: usize| match (frame, body, axis) {
+            (0, 0, 0) => 0,
+            (0, 0, _) => value(self.span - 1, axis - 1, self.chunk - 1),
+            (0, ..) => value(self.span - 1, axis, body - 1),
+            _ => value(frame - 1, axis, body),
+        };
+        let mut tile = [[absent; BLOCK * MOST_WIDTH]; STRIP];
         for first in (0..self.chunk).step_by(BLOCK) {
-            for axis in 0..self.width {
-                for body in first..(first + BLOCK).min(self.chunk) {
-                    let place = (axis * self.chunk + body) * self.span;
-                    // Differences go on from body to body and from axis to axis.
-                    let mut before = match (axis, body) {
-                        (0, 0) => 0,
-                        (_, 0) => value(self.span - 1, axis - 1, self.chunk - 1),
-                        _ => value(self.span - 1, axis, body - 1),
-                    };
-                    for frame in (0..self.span).step_by(STRIP) {
-                        let strip: [i32; STRIP] = std::array::from_fn(|i| value(frame + i, axis, body));
-                        let stored: [i32; STRIP] = std::array::from_fn(|i| match i {
-                            _ if !delta => strip[i],
-                            0 => strip[0].wrapping_sub(before),
-                            _ => strip[i].wrapping_sub(strip[i - 1]),
-                        });
-                        before = strip[STRIP - 1];
+            let end = (first + BLOCK).min(self.chunk);
+            // Bodies that fill up the last chunk are none.
+            let [from, to] = [first, end].map(|body| (bodies.start + body).min(bodies.end) * width);
+            for frame in (0..self.span).step_by(STRIP) {
+                for (row, values) in tile.iter_mut().zip(&frames[frame..frame + STRIP]) {
+                    let (there, none) = row.split_at_mut(to - from);
+                    there.copy_from_slice(&values[from..to]);
+                    none.fill(absent);
+                }
+                for axis in 0..width {
+                    for body in first..end {
+                        // The remainder changes nothing, and tells that it is within the row.
+                        let at = ((body - first) * width + axis) % (BLOCK * MOST_WIDTH);
+                        let strip: [i32; STRIP] = std::array::from_fn(|i| tile[i][at]);
+                        let stored = if delta {
+                            let before = before(frame, axis, body);
+                            std::array::from_fn(|i| {
+                                strip[i].wrapping_sub(if i == 0 { before } else { strip[i - 1] })
+                            })
+                        } else {
+                            strip
+                        };
+                        let place = (axis * self.chunk + body) * self.span + frame;
                         for (byte, plane) in planes.iter_mut().enumerate() {
                             let bytes = stored.map(|number| (number >> (8 * byte)) as u8);
-                            plane[place + frame..place + frame + STRIP].copy_from_slice(&bytes);
+                            plane[place..place + STRIP].copy_from_slice(&bytes);
                         }
                     }
                 }

@@ -11,8 +11,8 @@ import { Timeline } from './timeline.js';
 import { Wire } from './wire.js';
 /** @typedef {import('./matrix.js').Vec3} Vec3 */
 
-/** Milliseconds of a picture from which on fewer pixels are drawn, and shadows are left out at last; and up to which more are. */
-const SLOW = 45, QUICK = 12;
+/** Milliseconds of a picture from which on fewer pixels are drawn, and up to which more are: it was done when the screen, 60 times a second, came for the next. */
+const SLOW = 45, QUICK = 20;
 
 const canvas = element('view', HTMLCanvasElement);
 const draw = start();
@@ -27,7 +27,11 @@ let origin = [0, 0, 0];
 let dirty = true, placed = false, fresh = true;
 /** When the newest moment came, and how long after the one before it. */
 let came = 0, pause = 16;
-let pictures = 0, fps = 0, counted = performance.now(), last = counted, measured = 0;
+let pictures = 0, fps = 0, counted = performance.now(), last = counted;
+/** When the last picture was begun, and what tells that the card is done with it. */
+let began = 0;
+/** @type {WebGLSync | null} */
+let fence = null;
 
 function start() {
   try {
@@ -259,20 +263,30 @@ function picture(now) {
     // Bodies wander; the sun's picture follows.
     if (status?.playing) draw.extent = stage.extent();
   }
-  if (!dirty && mix === draw.mix) return;
+  weigh(now);
+  if (fence || (!dirty && mix === draw.mix)) return;
   // A processor that draws has a simulation to run as well.
-  if (draw.software && now - measured < 40) return;
+  if (draw.software && now - began < 40) return;
   dirty = mix < 1;
   draw.mix = mix;
   draw.draw(stage, camera, hands.string);
   pictures++;
-  adapt(now);
+  began = now;
+  fence = draw.gl.fenceSync(draw.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  draw.gl.flush();
 }
 
-/** Fewer pixels where pictures are slow, more where they are quick. @param {number} now */
-function adapt(now) {
-  const took = now - measured;
-  measured = now;
+/** Looks whether the last picture is done, and how long it took. How often there is one tells nothing of it: a simulation may be slower. @param {number} now */
+function weigh(now) {
+  const { gl } = draw;
+  if (!fence || gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+  gl.deleteSync(fence);
+  fence = null;
+  adapt(now - began);
+}
+
+/** Fewer pixels where pictures are slow, more where they are quick. @param {number} took milliseconds */
+function adapt(took) {
   if (took > 3000) return;
   slow = 0.85 * slow + 0.15 * took;
   const most = Math.min(devicePixelRatio, 2);

@@ -49,6 +49,37 @@ impl Sums {
             driven: self.driven + b.driven,
         }
     }
+
+    /// Takes in the body in a row.
+    fn add(&mut self, bodies: &Bodies, row: usize, gravity: DVec3) {
+        if bodies.states[row] == State::Dead {
+            return;
+        }
+        self.bodies += 1;
+        if bodies.kinds[row] != Kind::Dynamic {
+            let moves = bodies.lines[row].motion[..6].iter().any(|&x| x != 0.0);
+            self.driven += usize::from(bodies.kinds[row] == Kind::Kinematic && moves);
+            return;
+        }
+        let awake = bodies.states[row] == State::Awake;
+        self.awake += usize::from(awake);
+        let motion = motion(bodies, row);
+        let Motion { mass, v, spin, .. } = motion;
+        self.kinetic += motion.energy();
+        self.potential -=
+            mass * f64::from(bodies.lines[row].gravity_scale()) * gravity.dot(bodies.positions[row]);
+        self.momentum += v * mass;
+        if awake {
+            let from = &bodies.references[row];
+            // See `rockfall_solve::push`.
+            let given = (v - DVec3::new(from[0].into(), from[1].into(), from[2].into())) * mass;
+            self.weight += gravity * (mass * f64::from(bodies.lines[row].gravity_scale()));
+            self.given += given;
+            self.moved += given.length();
+            self.carried += v.length() * mass;
+        }
+        self.angular += bodies.positions[row].cross(v * mass) + spin;
+    }
 }
 
 /// Parts of the momentum at hand that supports are rounded to.
@@ -69,7 +100,9 @@ pub(crate) fn measure(
         .into_par_iter()
         .map(|run| {
             let rows = (run * RUN).max(1)..((run + 1) * RUN).min(bodies.rows());
-            rows.fold(Sums::default(), |sums, row| add(sums, bodies, row, gravity))
+            let mut sums = Sums::default();
+            rows.for_each(|row| sums.add(bodies, row, gravity));
+            sums
         })
         .collect_into_vec(sums);
     let all = sums.iter().fold(Sums::default(), Sums::and);
@@ -111,37 +144,6 @@ fn balance(report: &mut StepReport, all: &Sums, bodies: &Bodies, contacts: &Cont
     report.friction_use = forces.friction();
 }
 
-fn add(mut sums: Sums, bodies: &Bodies, row: usize, gravity: DVec3) -> Sums {
-    if bodies.states[row] == State::Dead {
-        return sums;
-    }
-    sums.bodies += 1;
-    if bodies.kinds[row] != Kind::Dynamic {
-        let moves = bodies.lines[row].motion[..6].iter().any(|&x| x != 0.0);
-        sums.driven += usize::from(bodies.kinds[row] == Kind::Kinematic && moves);
-        return sums;
-    }
-    let awake = bodies.states[row] == State::Awake;
-    sums.awake += usize::from(awake);
-    let motion = motion(bodies, row);
-    let Motion { mass, v, spin, .. } = motion;
-    sums.kinetic += motion.energy();
-    sums.potential -=
-        mass * f64::from(bodies.lines[row].gravity_scale()) * gravity.dot(bodies.positions[row]);
-    sums.momentum += v * mass;
-    if awake {
-        let from = &bodies.references[row];
-        // See `rockfall_solve::push`.
-        let given = (v - DVec3::new(from[0].into(), from[1].into(), from[2].into())) * mass;
-        sums.weight += gravity * (mass * f64::from(bodies.lines[row].gravity_scale()));
-        sums.given += given;
-        sums.moved += given.length();
-        sums.carried += v.length() * mass;
-    }
-    sums.angular += bodies.positions[row].cross(v * mass) + spin;
-    sums
-}
-
 /// How a dynamic body moves.
 struct Motion {
     /// kg.
@@ -161,6 +163,7 @@ impl Motion {
     }
 }
 
+#[inline]
 fn motion(bodies: &Bodies, row: usize) -> Motion {
     let line = &bodies.lines[row];
     let mass = 1.0 / f64::from(line.inverse_mass());
