@@ -20,6 +20,7 @@ use std::fmt;
 use std::io;
 use std::ops::Range;
 use zstd::bulk::{Compressor, Decompressor};
+use zstd::zstd_safe::CParameter;
 
 /// Poses in a chunk, about.
 const CHUNK_POSES: usize = 131_072;
@@ -42,6 +43,10 @@ const MOST_WIDTH: usize = 4;
 /// zstd's fastest ordinary level. Lower ones leave out the coding of single bytes, which does most of the work here, and with it kept on
 /// they take as long.
 pub(crate) const LEVEL: i32 = 1;
+
+/// Binary logarithm of the entries of zstd's table of what it has met. One that fits into the nearest cache, with what is read and written, saves an eighth
+/// of the time, and its frames are 1.5 % larger at most.
+const TABLE: u32 = 11;
 
 /// One array.
 #[derive(Clone, Debug, PartialEq)]
@@ -313,6 +318,7 @@ impl Coder {
     pub(crate) fn new() -> io::Result<Self> {
         let mut compressor = Compressor::new(LEVEL)?;
         compressor.include_checksum(true)?;
+        compressor.set_parameter(CParameter::HashLog(TABLE))?;
         Ok(Coder { compressor, planes: Vec::new() })
     }
 }
