@@ -1,21 +1,23 @@
 //! A glTF document that grows: its parts as JSON, and the numbers that they refer to.
 
-use crate::{Error, Inventory, Run, Surface, color};
+use crate::{Error, Inventory, Run, Surface};
 use bytemuck::NoUninit;
 use rockfall::Kind;
+use rockfall_scene::Color;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-/// What a body looks like: its shape, its material, and whether it is one that nobody moves.
-pub(super) type Look = (u32, u32, bool);
+/// What a body looks like: what is seen of it, its material, whether it is one that nobody moves, and a colour of its own.
+pub(super) type Look = (u32, u32, bool, Option<Color>);
 
 /// The look of a body.
 pub(super) fn look(inventory: &Inventory, row: u32) -> Look {
     let row = row as usize;
-    (inventory.shape_of[row], inventory.material_of[row], inventory.kinds[row] == Kind::Static)
+    let fixed = inventory.kinds[row] == Kind::Static;
+    (inventory.shown_of[row], inventory.material_of[row], fixed, inventory.color_of[row])
 }
 
 /// glTF's numbers for the types of components.
@@ -47,7 +49,7 @@ pub(super) struct Document {
     nodes: Vec<Value>,
     animation: Option<Value>,
     extension: Option<&'static str>,
-    known_materials: BTreeMap<(u32, bool), usize>,
+    known_materials: BTreeMap<(u32, bool, Option<Color>), usize>,
     known_meshes: BTreeMap<Look, usize>,
 }
 
@@ -117,7 +119,7 @@ impl Document {
         if let Some(&mesh) = self.known_meshes.get(&look) {
             return mesh;
         }
-        let (shape, material, fixed) = look;
+        let (shape, material, fixed, own) = look;
         let (low, high) = surface
             .positions
             .iter()
@@ -141,7 +143,7 @@ impl Document {
         } else {
             self.add(Component::U32, "SCALAR", corners, Some(Target::Triangles))
         };
-        let material = self.material(material, fixed, inventory);
+        let material = self.material((material, fixed, own), inventory);
         let mesh = json!({
             "name": format!("shape {shape}"),
             "primitives": [{ "attributes": attributes, "indices": indices, "material": material }],
@@ -151,11 +153,13 @@ impl Document {
         mesh
     }
 
-    fn material(&mut self, material: u32, fixed: bool, inventory: &Inventory) -> usize {
-        if let Some(&known) = self.known_materials.get(&(material, fixed)) {
+    fn material(&mut self, key: (u32, bool, Option<Color>), inventory: &Inventory) -> usize {
+        if let Some(&known) = self.known_materials.get(&key) {
             return known;
         }
-        let [r, g, b] = color(material, if fixed { Kind::Static } else { Kind::Dynamic });
+        let (material, fixed, own) = key;
+        let kind = if fixed { Kind::Static } else { Kind::Dynamic };
+        let [r, g, b] = inventory.color(own, material, kind);
         let name = &inventory.materials[material as usize];
         // Ground is often a surface without another side.
         let described = json!({
@@ -164,7 +168,7 @@ impl Document {
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
         });
         let index = push(&mut self.materials, described);
-        self.known_materials.insert((material, fixed), index);
+        self.known_materials.insert(key, index);
         index
     }
 

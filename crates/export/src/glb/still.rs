@@ -13,7 +13,7 @@ const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Writes the bodies `rows` at the only frame of the job.
 pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error> {
     let (run, inventory) = (job.run(), job.inventory()?);
-    let prototypes = Prototypes::of(run, rows)?;
+    let prototypes = Prototypes::of(run, rows, &inventory.shown_of)?;
     job.stream(rows, Detail::Poses, Ok, |moment: Moment| {
         let mut alike: BTreeMap<Look, Vec<usize>> = BTreeMap::new();
         for (k, &row) in moment.rows.iter().enumerate() {
