@@ -100,6 +100,33 @@ fn every_scene_becomes_a_world_that_steps() {
     }
 }
 
+/// Each section of the guide to shapes has a picture, made by the command that stands there of the scene beside it.
+#[test]
+fn every_shape_of_the_guide_has_a_picture_and_the_scene_that_it_shows() {
+    let docs = scenes().join("../docs");
+    let text = std::fs::read_to_string(docs.join("shapes.md")).unwrap();
+    let mut shown = Vec::new();
+    for section in text.split("\n## ").skip(1) {
+        let (title, rest) = section.split_once('\n').unwrap();
+        let found = rest.split("](images/shapes/").nth(1).and_then(|rest| rest.split_once(".png)"));
+        let (name, _) = found.unwrap_or_else(|| panic!("{title} has no picture"));
+        let picture = docs.join(format!("images/shapes/{name}.png"));
+        let size = std::fs::metadata(&picture).unwrap_or_else(|e| panic!("{}: {e}", picture.display())).len();
+        assert!((1000..25_000).contains(&size), "{name} has {size} bytes");
+        let scene =
+            Scene::load(picture.with_extension("toml")).unwrap_or_else(|e| panic!("{}", e.render(false)));
+        scene.inventory().unwrap_or_else(|e| panic!("{}", e.render(false)));
+        shown.push(name.to_owned());
+    }
+    let entries = std::fs::read_dir(docs.join("images/shapes")).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = entries.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let mut there: Vec<String> =
+        scenes.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    there.sort();
+    shown.sort();
+    assert_eq!(shown, there);
+}
+
 /// The words of JSON schema that the schema uses; any other word is an error. `whole` has the definitions.
 fn complaints(whole: &Value, schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
     let mut complain = |what: String| out.push(format!("{at}: {what}"));
