@@ -1,12 +1,13 @@
 //! What the scene says of looks is what a picture shows: a mesh in place of a shape, and its colours.
 
 use rockfall::Shape;
-use rockfall_export::linear;
+use rockfall_cache::{BodyTable, Contents, FORMAT, Frame, RunFolder, RunWriter, Summary, VERSION};
+use rockfall_export::{Run, linear};
 use rockfall_math::{DVec3, Vec3};
-use rockfall_picture::{Air, Camera, ColorBy, Quality, Shot, Sight, Stage, render};
+use rockfall_picture::{Air, Camera, ColorBy, Quality, Recorded, Seen, Shot, Sight, Stage, render};
 use rockfall_scene::Scene;
 use rockfall_shape::Mesh;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const ROOF: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
@@ -37,10 +38,16 @@ shape = "ball"
 position = [4, 0, 3]
 "##;
 
-fn sight() -> Sight {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+fn scene(name: &str) -> (Scene, PathBuf) {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("roof.obj"), ROOF).unwrap();
-    let scene = Scene::parse(SCENE, "looks.toml", folder).unwrap_or_else(|e| panic!("{e}"));
+    let scene = Scene::parse(SCENE, "looks.toml", &folder).unwrap_or_else(|e| panic!("{e}"));
+    (scene, folder)
+}
+
+fn sight(name: &str) -> Sight {
+    let (scene, _) = scene(name);
     let mut running = scene.build().unwrap();
     for _ in 0..5 {
         running.world.step();
@@ -49,8 +56,45 @@ fn sight() -> Sight {
 }
 
 #[test]
+fn a_run_looks_like_the_scene_that_was_run() {
+    let (scene, folder) = scene("looks-run");
+    let path = folder.join("run");
+    let _ = std::fs::remove_dir_all(&path);
+    let running = scene.build().unwrap();
+    let rows = running.body_table();
+    let table = BodyTable {
+        ids: rows.iter().map(|row| row.id).collect(),
+        names: vec![String::new(); rows.len()],
+        shapes: rows.iter().map(|row| row.shape as u32).collect(),
+        scales: rows.iter().map(|row| row.scale).collect(),
+    };
+    let summary = Summary { format: FORMAT.into(), format_version: VERSION, ..Summary::default() };
+    let run = RunFolder::at(&path, false).unwrap();
+    let text = scene.to_toml_filled();
+    let mut writer = RunWriter::create(&run, &text, &summary, &table, Contents::default()).unwrap();
+    let mut poses = writer.buffer();
+    poses.gather(&table, DVec3::ZERO, &running.world.ids(), &running.world.poses()).unwrap();
+    writer.push(Frame { poses, ..Frame::default() }).unwrap();
+    writer.finish().unwrap();
+    let run = Run::open(&path).unwrap();
+    let recorded = Recorded::new(&run).unwrap().at(0).unwrap();
+    let live = Sight::of_world(&scene, &running, 0);
+    for by in [ColorBy::Body, ColorBy::Material] {
+        let [one, other] = [&recorded, &live].map(|sight| by.paint(sight, None).unwrap().0);
+        assert_eq!(one, other, "{by:?}");
+    }
+    let shown = |sight: &Sight| -> Vec<(&str, f32)> {
+        let of = |body: &Seen| &sight.shapes[body.shown as usize];
+        sight.bodies.iter().map(|body| (of(body).name(), of(body).radius_about(Vec3::ZERO))).collect()
+    };
+    assert_eq!(shown(&recorded), shown(&live));
+    assert_eq!(shown(&live)[0].0, "mesh");
+    assert_eq!(recorded.bodies[0].shape, live.bodies[0].shape);
+}
+
+#[test]
 fn a_mesh_in_place_of_a_ball_is_drawn_where_the_ball_is_and_nothing_of_the_ball() {
-    let sight = sight();
+    let sight = sight("looks-drawn");
     let stage = sight.stage(&[[0.5; 3]; 3]);
     let corners = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 1]];
     let corners =
@@ -74,7 +118,7 @@ fn a_mesh_in_place_of_a_ball_is_drawn_where_the_ball_is_and_nothing_of_the_ball(
 
 #[test]
 fn colours_are_those_of_body_and_material_where_they_tell_nothing_else() {
-    let sight = sight();
+    let sight = sight("looks-colours");
     let paint = |by: ColorBy| by.paint(&sight, None).unwrap_or_else(|error| panic!("{error}")).0;
     let [orange, oak] = [[255, 128, 1], [128, 64, 0]].map(linear);
     let bodies = paint(ColorBy::Body);

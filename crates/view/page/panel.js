@@ -134,7 +134,7 @@ export class Panel {
     /** What is kept of the present alone. @param {any} known @param {string} value */
     const kept = (known, value) => (told.past !== undefined && known === null ? 'not kept' : value);
     if (told.why) line('', told.why);
-    if (told.past !== undefined) line('', `As it was at frame ${told.past}. Places are kept of what has been; the newest frame tells everything.`);
+    if (told.past !== undefined) line('As at frame', `${told.past}; the newest tells all`);
     if (told.id && !told.why) {
       line('Number', told.id);
       line('Shape', `${told.shape ?? '–'}, ${vector(told.size)} m`);

@@ -52,7 +52,7 @@ await drive(async () => {
   // Of what has been, places alone are kept; that is said.
   await value(page, () => rockfall.panel.toggle(true));
   await page.locator('#back').click();
-  await until(page, () => /As it was at frame \d+.*Mass2 600 kg.*Velocitynot keptSpeednot kept/.test(document.querySelector('#told').textContent));
+  await until(page, () => /As at frame\d+.*Mass2 600 kg.*Velocitynot keptSpeednot kept/.test(document.querySelector('#told').textContent));
   await page.locator('#body').scrollIntoViewIfNeeded();
   await shoot(page, 'past');
   await page.locator('#newest').click();

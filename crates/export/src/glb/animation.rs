@@ -83,7 +83,7 @@ fn place(
     (position, rotation): (&[f32; 3], &[f32; 4]),
 ) -> Option<usize> {
     let look = look(inventory, row);
-    let mesh = document.mesh(look, inventory, prototypes.get(look.0)?);
+    let mesh = document.mesh(look, inventory, prototypes.get(look.shown)?);
     let (id, name) = (run.bodies().ids[row as usize], &run.bodies().names[row as usize]);
     let name = if name.is_empty() { format!("body {id}") } else { name.clone() };
     Some(document.node(json!({

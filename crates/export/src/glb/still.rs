@@ -21,7 +21,7 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
         }
         let mut document = Document::default();
         for (look, bodies) in alike {
-            let Some(surface) = prototypes.get(look.0) else { continue };
+            let Some(surface) = prototypes.get(look.shown) else { continue };
             let mesh = document.mesh(look, inventory, surface);
             let positions: Vec<[f32; 3]> = bodies.iter().map(|&k| moment.positions[k]).collect();
             let rotations: Vec<[f32; 4]> = bodies.iter().map(|&k| moment.rotations[k]).collect();
@@ -34,7 +34,8 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
             if let Ok(ids) = ids.map(u32::try_from).collect::<Result<Vec<u32>, _>>() {
                 attributes["_ID"] = json!(document.numbers(Component::U32, "SCALAR", &ids));
             }
-            let name = format!("shape {} of {}", look.0, inventory.materials[look.1 as usize]);
+            let name =
+                format!("shape {} of {}", look.shown, inventory.materials[look.paint.material as usize]);
             document.node(json!({
                 "name": name, "mesh": mesh, "extensions": { INSTANCING: { "attributes": attributes } },
             }));
