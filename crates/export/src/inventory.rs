@@ -1,23 +1,29 @@
 //! What the bodies of a run look like.
 
-use crate::Error;
+use crate::{Error, color, linear};
 use rockfall::{Kind, Shape};
 use rockfall_cache::{BodyTable, SCENE};
 use rockfall_math::Vec3;
-use rockfall_scene::{BodyRow, Scene};
+use rockfall_scene::{BodyRow, Color, Scene};
 use std::path::Path;
 
 /// Shapes and materials of a scene, and which of them each body of a run has. Columns have a row for each body of the run's table.
 #[derive(Clone, Debug)]
 pub struct Inventory {
-    /// All shapes, at the size of their bodies.
+    /// All shapes, at the size of their bodies, and behind them the meshes that are seen in place of some.
     pub shapes: Vec<Shape>,
     /// Names of all materials.
     pub materials: Vec<String>,
+    /// The colour of each material, where it has one.
+    pub colors: Vec<Option<Color>>,
     /// Who moves each body.
     pub kinds: Vec<Kind>,
     /// The shape of each body, an index into `shapes`.
     pub shape_of: Vec<u32>,
+    /// What is seen of each body, an index into `shapes`: its shape, or the mesh that is shown in its place.
+    pub shown_of: Vec<u32>,
+    /// The colour of each body, where it or its shape has one; else that of its material counts.
+    pub color_of: Vec<Option<Color>>,
     /// The material of each body, an index into `materials`.
     pub material_of: Vec<u32>,
     /// Whether each body is a sensor, which is nothing to look at.
@@ -30,7 +36,7 @@ impl Inventory {
     /// Lays out the scene in the folder of a run with these bodies.
     pub(crate) fn of(run: &Path, table: &BodyTable) -> Result<Self, Error> {
         let path = run.join(SCENE);
-        let rockfall_scene::Inventory { shapes, materials, bodies, centers } =
+        let rockfall_scene::Inventory { mut shapes, visuals, materials, colors, bodies, centers } =
             Scene::load(&path)?.inventory()?;
         let mut bodies: Vec<(BodyRow, Vec3)> = bodies.into_iter().zip(centers).collect();
         bodies.sort_by_key(|(body, _)| body.id);
@@ -49,15 +55,28 @@ impl Inventory {
                 say(body.id, body.shape, body.scale),
             );
         }
+        let first_visual = shapes.len() as u32;
+        shapes.extend(visuals);
+        let shown =
+            |body: &BodyRow| body.look.visual.map_or(body.shape as u32, |visual| first_visual + visual);
         Ok(Inventory {
             shapes,
             materials,
+            colors,
+            shown_of: bodies.iter().map(shown).collect(),
+            color_of: bodies.iter().map(|body| body.look.color).collect(),
             kinds: bodies.iter().map(|body| body.kind).collect(),
             shape_of: bodies.iter().map(|body| body.shape as u32).collect(),
             material_of: bodies.iter().map(|body| body.material as u32).collect(),
             sensors: bodies.iter().map(|body| body.sensor).collect(),
             centers,
         })
+    }
+
+    /// The colour of bodies of a material that are moved by `kind`: their `own`, that of the material, or one for its number. Linear red, green and blue from
+    /// 0 to 1.
+    pub fn color(&self, own: Option<Color>, material: u32, kind: Kind) -> [f32; 3] {
+        own.or(self.colors[material as usize]).map_or_else(|| color(material, kind), linear)
     }
 
     /// Rows of the bodies that nobody moves. Sensors are in neither list.

@@ -38,7 +38,7 @@ mod vtp;
 
 pub use crate::csv::Csv;
 pub use crate::parquet::Parquet;
-pub use color::color;
+pub use color::{color, linear};
 pub use error::Error;
 pub use export::{Done, Options, export};
 pub use format::{Format, Makes};

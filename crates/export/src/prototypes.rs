@@ -5,21 +5,21 @@ use rayon::prelude::*;
 use rockfall::Shape;
 use rockfall_math::Vec3;
 
-/// Surfaces of shapes, in the frame of their bodies.
+/// Surfaces of shapes, or of what is seen in place of them, in the frame of their bodies.
 #[derive(Clone, Debug)]
 pub struct Prototypes {
     surfaces: Vec<Option<Surface>>,
 }
 
 impl Prototypes {
-    /// Those of the bodies `rows` of a run. Half-spaces become squares that reach as far as any body gets at the first and the last frame.
+    /// Those of the bodies `rows` of a run, `of` telling which of the inventory's shapes each body has: those that collide (`shape_of`) or those that are seen (`shown_of`). Half-spaces become squares that reach as far as any body gets at the first and the last frame.
     ///
     /// # Errors
     /// Those of [`Run::inventory`], and of reading the first and the last frame where there is a half-space.
-    pub fn of(run: &Run, rows: &[u32]) -> Result<Self, Error> {
+    pub fn of(run: &Run, rows: &[u32], of: &[u32]) -> Result<Self, Error> {
         let inventory = run.inventory()?;
         let mut used = vec![false; inventory.shapes.len()];
-        rows.iter().for_each(|&row| used[inventory.shape_of[row as usize] as usize] = true);
+        rows.iter().for_each(|&row| used[of[row as usize] as usize] = true);
         let endless = |(used, shape): (&bool, &Shape)| *used && matches!(shape, Shape::HalfSpace { .. });
         let reach = if used.iter().zip(&inventory.shapes).any(endless) { reach(run)? } else { 0.0 };
         let surface = |(used, shape): (&bool, &Shape)| used.then(|| Surface::of(shape, reach));

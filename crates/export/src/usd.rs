@@ -95,7 +95,7 @@ impl Format for Usd {
 
     fn write(&self, job: &Job<'_>, to: &Path) -> Result<(), Error> {
         let rows = job.inventory()?.moving();
-        let surfaces = Prototypes::of(job.run(), &rows)?;
+        let surfaces = Prototypes::of(job.run(), &rows, &job.inventory()?.shown_of)?;
         let mut crowd = Crowd::of(job, self, &rows, mesh::reach(&surfaces));
         let stage = Stage::of(job, &rows, &surfaces, &crowd)?;
         match self.clip {

@@ -42,13 +42,13 @@ impl Format for Vtp {
         let (run, inventory) = (job.run(), job.inventory()?);
         let (moving, fixed) = (inventory.moving(), inventory.fixed());
         if !fixed.is_empty() {
-            let prototypes = Prototypes::of(run, &fixed)?.alike();
+            let prototypes = Prototypes::of(run, &fixed, &inventory.shape_of)?.alike();
             let mut still = job.at(job.frames()[0], &fixed)?;
             // Bodies that never move have no time.
             still.time = f64::NAN;
             meshes::of(run, inventory, &prototypes, &still).write(&to.join("static.vtp"))?;
         }
-        let mut prototypes = Prototypes::of(run, &moving)?;
+        let mut prototypes = Prototypes::of(run, &moving, &inventory.shape_of)?;
         if self.meshes {
             prototypes = prototypes.alike();
         } else {

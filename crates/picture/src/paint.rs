@@ -12,7 +12,7 @@ use rockfall_math::Vec3;
 /// What colours tell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ColorBy {
-    /// Which body it is: stones of many colours.
+    /// Which body it is: the colour that the scene gives it, or else that of a stone.
     #[default]
     Body,
     /// What it is made of.
@@ -127,11 +127,19 @@ impl ColorBy {
         };
         match self {
             ColorBy::Body => {
-                let own = |k: usize| if moves(k) { stone(sight.bodies[k].id) } else { GROUND };
+                let own = |k: usize| match sight.bodies[k].color.or(sight.color_of(sight.bodies[k].material))
+                {
+                    Some(color) => Vec3::from_array(color),
+                    None if moves(k) => stone(sight.bodies[k].id),
+                    None => GROUND,
+                };
                 colors(&own, Legend::None)
             }
             ColorBy::Material => {
-                let color = |material: u32, kind| Vec3::from_array(rockfall_export::color(material, kind));
+                let color = |material: u32, kind| {
+                    let own = sight.color_of(material);
+                    Vec3::from_array(own.unwrap_or_else(|| rockfall_export::color(material, kind)))
+                };
                 let used =
                     |m: u32| sight.bodies.iter().any(|body| body.material == m && body.kind != Kind::Static);
                 let names = (0..).zip(&sight.materials).filter(|(m, _)| used(*m));

@@ -21,10 +21,12 @@ pub struct Sight {
     pub time: f64,
     /// Seconds between two frames.
     pub step: f64,
-    /// All shapes that bodies have.
+    /// All shapes that bodies have, and the meshes that are seen in place of some.
     pub shapes: Vec<Shape>,
     /// Names of all materials.
     pub materials: Vec<String>,
+    /// The colour of each material, where the scene gives it one: linear red, green and blue from 0 to 1.
+    pub colors: Vec<Option<[f32; 3]>>,
     /// The bodies, by their ids.
     pub bodies: Vec<Seen>,
     /// Ids of those that have a name.
@@ -49,6 +51,10 @@ pub struct Seen {
     pub id: u64,
     /// Index of its shape.
     pub shape: u32,
+    /// Index of what is seen of it: its shape, or a mesh in its place.
+    pub shown: u32,
+    /// Its colour, where the scene gives it or its shape one: linear red, green and blue from 0 to 1.
+    pub color: Option<[f32; 3]>,
     /// Index of its material.
     pub material: u32,
     /// Who moves it.
@@ -73,6 +79,7 @@ impl Default for Sight {
             step: 0.0,
             shapes: Vec::new(),
             materials: Vec::new(),
+            colors: Vec::new(),
             bodies: Vec::new(),
             names: BTreeMap::new(),
             asleep: Err(nothing()),
@@ -87,12 +94,17 @@ impl Sight {
     /// The bodies in the colours of `colors`, as many as there are bodies.
     pub fn stage(&self, colors: &[[f32; 3]]) -> Stage {
         let actor = |(body, color): (&Seen, &[f32; 3])| Actor {
-            shape: body.shape,
+            shape: body.shown,
             pose: body.pose,
             color: *color,
             moves: body.kind != Kind::Static,
         };
         Stage { shapes: self.shapes.clone(), actors: self.bodies.iter().zip(colors).map(actor).collect() }
+    }
+
+    /// The colour that the scene gives a material.
+    pub(crate) fn color_of(&self, material: u32) -> Option<[f32; 3]> {
+        self.colors.get(material as usize).copied().flatten()
     }
 
     /// The row of a body.

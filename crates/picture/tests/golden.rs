@@ -1,4 +1,4 @@
-//! Twelve small pictures, to the bit: every shape, overlay, colour mode and quality is in one of them.
+//! Small pictures, to the bit: every shape, overlay, colour mode and quality is in one of them.
 //!
 //! What they show is made by hand and not simulated, so that no change of the physics changes a picture. Where a picture has changed, it is written to the
 //! folder that the message names: look at it before its hash is put here.
@@ -10,12 +10,13 @@ use rockfall::{Kind, Shape};
 use rockfall_cache::Contacts;
 use rockfall_math::{DVec3, Pose, Vec3};
 use rockfall_picture::{Camera, ColorBy, Lens, Look, Overlay, Quality, Seen, Sight, take};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Name, colours, overlays, hash.
 type Case = (&'static str, ColorBy, &'static [Overlay], u64);
 
-const CASES: [Case; 12] = [
+const CASES: [Case; 13] = [
     ("round", ColorBy::Body, &[], 0x6408_5c0b_03e3_7633),
     ("flat", ColorBy::Material, &[], 0xa92d_962d_e2ed_063d),
     ("concave", ColorBy::Size, &[Overlay::Bounds], 0x7176_68a7_5152_ff8c),
@@ -28,6 +29,7 @@ const CASES: [Case; 12] = [
     ("far", ColorBy::Body, &[], 0x0bc3_5dc8_b54b_a32a),
     ("draft", ColorBy::Body, &[], 0x43e6_e011_a9c1_27bb),
     ("fine", ColorBy::Body, &[], 0x7f63_a860_f855_3f57),
+    ("looks", ColorBy::Body, &[], 0xcf39_0b48_4b54_08d2),
 ];
 
 /// Bodies of these shapes in rows of `across`, on the ground.
@@ -36,6 +38,8 @@ fn row(shapes: Vec<Shape>, across: u32, spacing: f64, origin: DVec3) -> Sight {
     let body = |k: u32, kind, position, rotation| Seen {
         id: u64::from(k) + 1,
         shape: k,
+        shown: k,
+        color: None,
         material: k % 3,
         kind,
         pose: Pose { position, rotation },
@@ -97,6 +101,19 @@ fn sight(name: &str) -> (Sight, Camera) {
             sight.bodies[2].pose.rotation = Pose::default().rotation;
             (sight, DVec3::new(2.4, 0.0, 0.8), 8.0)
         }
+        // A mesh in place of a ball, colours of a body and of a material, and hulls put together as a decomposition is.
+        "looks" => {
+            let mut sight = row(pick(&[0, 14, 1]), 3, 2.4, DVec3::ZERO);
+            sight.shapes.push(all[9].clone());
+            sight.bodies[0].shown = 4;
+            for body in &mut sight.bodies[..2] {
+                body.pose =
+                    Pose { position: body.pose.position - DVec3::new(0.0, 0.0, 0.3), ..Pose::default() };
+            }
+            sight.bodies[1].color = Some([0.02, 0.3, 0.25]);
+            sight.colors = vec![None, None, Some([0.6, 0.1, 0.05])];
+            (sight, DVec3::new(2.4, 0.0, 0.8), 8.0)
+        }
         "far" => (pile(far), far + DVec3::new(1.5, 1.5, 0.8), 7.0),
         _ => (pile(DVec3::ZERO), DVec3::new(1.5, 1.5, 0.8), 7.0),
     };
@@ -134,6 +151,47 @@ fn pictures_are_what_they_were_when_somebody_looked_at_them() {
         }
     }
     assert!(changed.is_empty(), "other pictures than before:\n{}", changed.join("\n"));
+}
+
+#[test]
+fn every_word_and_every_shape_is_in_one_of_them() {
+    for (word, by) in ColorBy::WORDS {
+        assert!(CASES.iter().any(|case| case.1 == by), "no picture is coloured by {word}");
+    }
+    for (word, overlay) in Overlay::WORDS {
+        let drawn = |case: &&Case| !overlay.strokes(&sight(case.0).0).expect("all is known").is_empty();
+        let mut those = CASES.iter().filter(|case| case.2.contains(&overlay));
+        assert!(those.any(|case| drawn(&case)), "no picture has the overlay {word}");
+    }
+    let mut kinds = BTreeSet::new();
+    for (name, ..) in CASES {
+        let (sight, _) = sight(name);
+        kinds.extend(sight.bodies.iter().map(|body| kind(&sight.shapes[body.shown as usize])));
+    }
+    assert!(kinds.into_iter().eq(0..KINDS), "a shape is in no picture");
+}
+
+/// Kinds of shapes.
+const KINDS: u32 = 14;
+
+/// The number of a shape's kind. The compiler asks for one that is new.
+fn kind(shape: &Shape) -> u32 {
+    match shape {
+        Shape::Sphere { .. } => 0,
+        Shape::Box { .. } => 1,
+        Shape::Capsule { .. } => 2,
+        Shape::Cylinder { .. } => 3,
+        Shape::Cone { .. } => 4,
+        Shape::Ellipsoid { .. } => 5,
+        Shape::RoundedBox { .. } => 6,
+        Shape::Hull(_) => 7,
+        Shape::RoundedHull { .. } => 8,
+        Shape::HalfSpace { .. } => 9,
+        Shape::Mesh(_) => 10,
+        Shape::Field(_) => 11,
+        Shape::HeightField(_) => 12,
+        Shape::Compound(_) => 13,
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::error::Problem;
 use crate::node::{Table, Value};
 use crate::rotation;
 use crate::spec::{ANY, Key, NOT_NEGATIVE, POSITIVE, Spec, Ty, key, optional, required};
+use crate::visual::{Color, VISUAL};
 use rockfall::{Kind, Locks, MassOverride};
 use rockfall_math::{Mat3, Pose, Quat, Vec3};
 
@@ -13,6 +14,7 @@ const LOCKS: &[&str] = &["x", "y", "z", "rx", "ry", "rz"];
 pub(crate) const SURFACE: &[Key] = &[
     optional("name", Ty::Text, "For people, and for the random numbers of a generator."),
     key("material", Ty::Material, "\"default\"", "Name of its material."),
+    optional("color", Ty::Color, "As `#rrggbb`, before that of its shape and that of its material."),
     key("group", Ty::Int(0, 0xffff_ffff), "1", "Collision groups that it belongs to, one bit each."),
     key(
         "mask",
@@ -57,6 +59,11 @@ locks = ["ry"]
     groups: &[
         &[
             required("shape", Ty::Shape, "Name of its shape."),
+            optional(
+                "visual",
+                Ty::Table(&VISUAL),
+                "A mesh that is seen in place of its shape, before that of the shape; [its keys](#the-table-visual).",
+            ),
             key("member", Ty::Int(0, 0xffff_ffff), "0", "Which one of a family of shapes, counted from 0."),
             key("position", Ty::Numbers(&[3], ANY), "[0, 0, 0]", "Where its shape's origin is, m."),
             key(
@@ -116,6 +123,7 @@ pub(crate) struct Template {
     pub(crate) locks: Locks,
     pub(crate) sensor: bool,
     pub(crate) mass: Option<MassOverride>,
+    pub(crate) color: Option<Color>,
 }
 
 impl Template {
@@ -134,6 +142,7 @@ impl Template {
             locks: Locks::default(),
             sensor: false,
             mass: None,
+            color: table.color("color"),
         }
     }
 

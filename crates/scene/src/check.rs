@@ -4,6 +4,7 @@ use crate::error::Problem;
 use crate::node::{Node, Table, Value};
 use crate::source::Span;
 use crate::spec::{Fallback, Kinds, Range, Spec, Ty, one_of};
+use crate::visual;
 use std::ops::Range as Bytes;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -94,6 +95,14 @@ impl Checker<'_> {
             },
             Ty::Text | Ty::Shape | Ty::Material => match value.as_str() {
                 Some(text) => Some(Value::Text(text.to_owned())),
+                None => self.wrong(raw, ty, path),
+            },
+            Ty::Color => match value.as_str() {
+                Some(text) if visual::parse(text).is_some() => Some(Value::Text(text.to_owned())),
+                Some(text) => {
+                    let problem = Problem::at(self.span(raw.span()), format!("`{path}` is \"{text}\""));
+                    self.report(problem.expecting(ty.expected()))
+                }
                 None => self.wrong(raw, ty, path),
             },
             Ty::Choice(words) => match value.as_str() {

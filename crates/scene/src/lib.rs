@@ -39,6 +39,7 @@ mod spec;
 mod start;
 mod tables;
 mod terrain;
+mod visual;
 mod write;
 
 pub use cameras::{Course, SceneCamera};
@@ -52,3 +53,4 @@ pub use running::Running;
 pub use scene::{Inventory, Scene};
 pub use schema::schema;
 pub use tables::{material_table, world_table};
+pub use visual::{Color, Look};

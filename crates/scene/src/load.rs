@@ -224,6 +224,7 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     problems.extend(problem);
     for (_, table) in root.named("shapes") {
         problems.extend((shapes::kind_of(table).check)(table).err());
+        problems.extend(table.table("visual").and_then(|visual| body::pose(visual).err()));
     }
     for table in root.tables("generators") {
         problems.extend(generators::check(table, root, &nesting).err());
@@ -231,6 +232,7 @@ fn complete(root: &mut Table, problems: &mut Vec<Problem>) {
     for table in root.tables("bodies") {
         problems.extend(body::Template::body(table, 0).err());
         problems.extend(body::pose(table).err());
+        problems.extend(table.table("visual").and_then(|visual| body::pose(visual).err()));
     }
     kinds_of_bodies(root, &nesting, problems);
     cameras::check(root, problems);
@@ -243,18 +245,31 @@ fn absolute_paths(root: &mut Table, sources: &Sources) {
     for (key, node) in &mut root.entries {
         let (tables, path): (Vec<&mut Node>, _) = match (*key, &mut node.value) {
             ("shapes", Value::Named(shapes)) => (shapes.iter_mut().map(|(_, shape)| shape).collect(), "file"),
-            ("imports", Value::List(imports)) => (imports.iter_mut().collect(), "file"),
+            ("bodies" | "imports", Value::List(tables)) => (tables.iter_mut().collect(), "file"),
             ("start", _) => (vec![node], "run"),
             _ => continue,
         };
-        for table in tables {
-            let Value::Table(table) = &mut table.value else { continue };
-            let Some((_, file)) = table.entries.iter_mut().find(|(k, _)| *k == path) else { continue };
-            let path = sources.get(file.span).base.join(file.value.text());
-            let path = std::path::absolute(&path).unwrap_or(path);
-            file.value = Value::Text(path.display().to_string());
+        for node in tables {
+            let Value::Table(table) = &mut node.value else { continue };
+            for (key, node) in &mut table.entries {
+                match &mut node.value {
+                    Value::Text(_) if *key == path => absolute(node, sources),
+                    Value::Table(visual) if *key == "visual" => {
+                        let file = visual.entries.iter_mut().find(|(key, _)| *key == "file");
+                        file.into_iter().for_each(|(_, node)| absolute(node, sources));
+                    }
+                    _ => {}
+                }
+            }
         }
     }
+}
+
+/// Makes a path that was read from its file's folder one that starts at the root.
+fn absolute(node: &mut Node, sources: &Sources) {
+    let path = sources.get(node.span).base.join(node.value.text());
+    let path = std::path::absolute(&path).unwrap_or(path);
+    node.value = Value::Text(path.display().to_string());
 }
 
 /// Changes one of the scene's tables: `world`, `output` or `start`.

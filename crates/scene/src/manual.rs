@@ -12,6 +12,7 @@ use crate::sizes::SIZES;
 use crate::spec::{Fallback, Spec};
 use crate::start::START;
 use crate::terrain::TERRAIN;
+use crate::visual::VISUAL;
 use std::fmt::Write;
 
 /// Every key of scene files in Markdown: type, default, meaning and unit, with examples. The second half of
@@ -29,6 +30,7 @@ pub fn keys() -> String {
     }
     section(&mut out, "### A part of a compound", &PART, false);
     section(&mut out, "### The table `terrain`", &TERRAIN, false);
+    section(&mut out, "### The table `visual`", &VISUAL, false);
     section(&mut out, "## `[[bodies]]`", &BODY, false);
     section(&mut out, "### A rotation as a table", &AXIS_DEGREES, false);
     section(&mut out, "## `[[imports]]`", &IMPORT, false);
@@ -117,6 +119,8 @@ mod tests {
             super::PART.example
         );
         assert!(Scene::parse(&part, "part", ".").is_ok());
+        let visual = format!("{}[[bodies]]\nshape = \"crate\"\n", super::VISUAL.example);
+        assert!(Scene::parse(&visual, "visual", ".").is_ok());
         let terrain =
             format!("[shapes.x]\nkind = \"mesh\"\n{}[[bodies]]\nshape = \"x\"\n", super::TERRAIN.example);
         assert!(Scene::parse(&terrain, "terrain", ".").is_ok());

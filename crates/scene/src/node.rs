@@ -2,6 +2,7 @@
 
 use crate::source::Span;
 use crate::spec::Spec;
+use crate::visual::{self, Color};
 use rockfall_math::{DVec3, Vec3};
 
 /// A value and where it was written.
@@ -141,6 +142,10 @@ impl Table {
 
     pub(crate) fn text(&self, key: &str) -> &str {
         self.value(key).map_or("", Value::text)
+    }
+
+    pub(crate) fn color(&self, key: &str) -> Option<Color> {
+        visual::parse(self.text(key))
     }
 
     pub(crate) fn list(&self, key: &str) -> &[Node] {

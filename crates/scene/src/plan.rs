@@ -9,6 +9,7 @@ use crate::random::Random;
 use crate::shapes::{self, Cook, bounding_ball, scaled, why_immovable};
 use crate::sizes::Sizes;
 use crate::start::Begun;
+use crate::visual::{Color, Look, Visuals};
 use rockfall::{Kind, Material, Shape};
 use rockfall_decompose::{Decomposition, Misfit};
 use rockfall_import::Content;
@@ -35,6 +36,8 @@ pub struct BodyRow {
     pub sensor: bool,
     /// Index of its material among those of the scene.
     pub material: usize,
+    /// What it looks like.
+    pub look: Look,
 }
 
 /// Everything that is needed to set up a world, and to pour more into it.
@@ -42,6 +45,10 @@ pub struct BodyRow {
 pub(crate) struct Plan {
     pub(crate) shapes: Vec<Shape>,
     pub(crate) materials: Vec<Material>,
+    /// The colour of each material, where it has one.
+    pub(crate) colors: Vec<Option<Color>>,
+    /// What is seen in place of shapes, in their frames.
+    pub(crate) visuals: Vec<Shape>,
     pub(crate) templates: Vec<Template>,
     /// Bodies that are there from the start: template and place. They have the first rows.
     pub(crate) placed: Vec<(u32, Pose)>,
@@ -61,11 +68,12 @@ impl Plan {
         self.placed.get(row).map(|(template, _)| *template).or_else(poured).unwrap_or(0)
     }
 
-    /// The row of a body that has no id yet.
-    fn row(&self, template: u32, shape: u32, scale: f32) -> BodyRow {
+    /// The row of a body that has no id yet; `look` is that of its shape.
+    fn row(&self, template: u32, shape: u32, scale: f32, look: Look) -> BodyRow {
         let template = &self.templates[template as usize];
         let (kind, sensor, material) = (template.kind, template.sensor, template.material as usize);
-        BodyRow { id: 0, name: None, shape: shape as usize, scale, kind, sensor, material }
+        let look = Look { color: template.color.or(look.color), ..look };
+        BodyRow { id: 0, name: None, shape: shape as usize, scale, kind, sensor, material, look }
     }
 }
 
@@ -86,6 +94,9 @@ pub(crate) struct Yard<'a> {
     known: BTreeMap<(usize, usize, u32), u32>,
     /// The ball around each shape in use.
     balls: Vec<(Vec3, f32)>,
+    /// What each shape in use looks like.
+    looks: Vec<Look>,
+    visuals: Visuals,
     pours: Vec<(Pour, Vec<(u32, f32)>)>,
     /// The pours of the generators that have a name.
     named_pours: Vec<(String, Range<usize>)>,
@@ -99,18 +110,27 @@ pub(crate) fn plan(
     seed: u64,
     begun: Option<&Begun>,
 ) -> Result<Plan, Problem> {
-    let materials = import::materials(root, imports).into_iter().map(|(_, material)| material).collect();
+    let materials: Vec<Material> =
+        import::materials(root, imports).into_iter().map(|(_, material)| material).collect();
+    let mut colors: Vec<Option<Color>> =
+        root.named("materials").map(|(_, table)| table.color("color")).collect();
+    // Those of imports have none.
+    colors.resize(materials.len(), None);
     let mut yard = Yard {
         seed,
         root,
         families: BTreeMap::new(),
         known: BTreeMap::new(),
         balls: Vec::new(),
+        looks: Vec::new(),
+        visuals: Visuals::default(),
         pours: Vec::new(),
         named_pours: Vec::new(),
         plan: Plan {
             shapes: Vec::new(),
             materials,
+            colors,
+            visuals: Vec::new(),
             templates: Vec::new(),
             placed: Vec::new(),
             motions: Vec::new(),
@@ -143,6 +163,9 @@ pub(crate) fn plan(
         yard.add(template, shape, 1.0, pose);
         if table.has("name") {
             yard.name(table.text("name"));
+        }
+        if let Some(visual) = table.table("visual") {
+            yard.show(visual)?;
         }
     }
     import::place(root, imports, &mut yard)?;
@@ -188,10 +211,14 @@ pub(crate) fn cuts(root: &Table, seed: u64) -> Result<Vec<Cut>, Problem> {
 impl Yard<'_> {
     /// Adds the bodies of another run, before all others.
     fn go_on(&mut self, begun: &Begun) {
-        let Plan { shapes, materials, templates, placed, motions, rows, .. } = &mut self.plan;
+        let Plan { shapes, materials, colors, templates, placed, motions, rows, .. } = &mut self.plan;
+        self.visuals.shapes.extend_from_slice(&begun.visuals);
+        // Their bodies have looks of their own.
+        self.looks.resize(begun.shapes.len(), Look::default());
         self.balls.extend(begun.shapes.iter().map(|shape| bounding_ball(shape).unwrap_or_default()));
         shapes.extend_from_slice(&begun.shapes);
-        materials.extend(begun.materials.iter().map(|(_, material)| *material));
+        materials.extend(begun.materials.iter().map(|former| former.material));
+        colors.extend(begun.materials.iter().map(|former| former.color));
         templates.extend_from_slice(&begun.templates);
         for body in &begun.bodies {
             rows.push(body.row.clone());
@@ -256,6 +283,7 @@ impl Yard<'_> {
     pub(crate) fn shape(&mut self, shape: Shape, table: &Table) -> Result<u32, Problem> {
         shape.validate().map_err(|why| Problem::at(table.span, format!("`{}`: {why}", table.path)))?;
         self.balls.push(bounding_ball(&shape).unwrap_or_default());
+        self.looks.push(Look::default());
         self.plan.shapes.push(shape);
         Ok((self.plan.shapes.len() - 1) as u32)
     }
@@ -273,8 +301,16 @@ impl Yard<'_> {
             )
         })?;
         let shape = self.shape(shape, table)?;
+        self.looks[shape as usize] = self.look(family, scale)?;
         self.known.insert(key, shape);
         Ok(shape)
+    }
+
+    /// What the shapes of a family look like at a size.
+    fn look(&mut self, family: usize, scale: f32) -> Result<Look, Problem> {
+        let Some((_, table)) = self.root.named("shapes").nth(family) else { return Ok(Look::default()) };
+        let visual = table.table("visual").map(|visual| self.visuals.of(visual, scale)).transpose()?;
+        Ok(Look { visual, color: table.color("color") })
     }
 
     /// What the keys `shape` and `size` of a generator offer.
@@ -323,7 +359,7 @@ impl Yard<'_> {
 
     /// Adds a body that is there from the start.
     pub(crate) fn add(&mut self, template: u32, shape: u32, scale: f32, pose: Pose) {
-        let row = self.plan.row(template, shape, scale);
+        let row = self.plan.row(template, shape, scale, self.looks[shape as usize]);
         self.plan.placed.push((template, pose));
         self.plan.rows.push(row);
     }
@@ -335,6 +371,15 @@ impl Yard<'_> {
         }
     }
 
+    /// Shows the body that was added last as a mesh.
+    fn show(&mut self, visual: &Table) -> Result<(), Problem> {
+        let visual = self.visuals.of(visual, 1.0)?;
+        if let Some(row) = self.plan.rows.last_mut() {
+            row.look.visual = Some(visual);
+        }
+        Ok(())
+    }
+
     /// Adds bodies that come later: the shape and scale of each.
     pub(crate) fn pour(&mut self, pour: Pour, drawn: Vec<(u32, f32)>) {
         self.pours.push((pour, drawn));
@@ -342,11 +387,14 @@ impl Yard<'_> {
 
     /// Gives rows to what is poured, and ids to all: their own, or those from `first_free` on that are not taken.
     fn finish(self, own_ids: &BTreeMap<usize, u64>, first_free: u64) -> Plan {
-        let Yard { mut plan, pours, named_pours, .. } = self;
+        let Yard { mut plan, pours, named_pours, looks, visuals, .. } = self;
+        plan.visuals = visuals.shapes;
         for (mut pour, drawn) in pours {
             let first = plan.rows.len();
-            let rows: Vec<BodyRow> =
-                drawn.into_iter().map(|(shape, scale)| plan.row(pour.template, shape, scale)).collect();
+            let rows: Vec<BodyRow> = drawn
+                .into_iter()
+                .map(|(shape, scale)| plan.row(pour.template, shape, scale, looks[shape as usize]))
+                .collect();
             plan.rows.extend(rows);
             pour.rows = first..plan.rows.len();
             plan.pours.push(pour);

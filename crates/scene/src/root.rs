@@ -280,6 +280,7 @@ friction_mix = "minimum"
             "How the friction of two materials becomes one. Of two different rules the later in this list wins.",
         ),
         key("restitution_mix", Ty::Choice(MIXES), "\"maximum\"", "The same for restitution."),
+        optional("color", Ty::Color, "Of bodies that have none of their own, nor by their shape."),
     ]],
 };
 

@@ -4,8 +4,9 @@ use crate::body::Template;
 use crate::generators::Pour;
 use crate::plan::{BodyRow, Plan};
 use crate::shapes::bounding_ball;
+use crate::visual::{Color, Look};
 use rockfall::snapshot::{self, Reader, Writer};
-use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, ShapeId, World};
+use rockfall::{Body, BodyId, Error, Kind, MaterialId, Settings, Shape, ShapeId, World};
 use rockfall_math::{DVec3, Pose, Vec3, rotation::rotate};
 
 /// A world that was built from a scene, and the bodies that will come later.
@@ -17,6 +18,8 @@ pub struct Running {
     pub world: World,
     shapes: Vec<ShapeId>,
     materials: Vec<MaterialId>,
+    colors: Vec<Option<Color>>,
+    visuals: Vec<Shape>,
     templates: Vec<Template>,
     rows: Vec<BodyRow>,
     pours: Vec<Pour>,
@@ -31,7 +34,8 @@ impl Running {
     /// Sets up the world of a plan.
     pub(crate) fn new(settings: Settings, plan: Plan) -> Result<Self, Error> {
         let mut world = World::new(settings)?;
-        let Plan { shapes, materials, templates, placed, motions, pours, rows, made: _ } = plan;
+        let Plan { shapes, materials, colors, visuals, templates, placed, motions, pours, rows, made: _ } =
+            plan;
         let balls = shapes.iter().map(bounding_ball).collect();
         let shapes: Vec<ShapeId> =
             shapes.into_iter().map(|s| world.add_shape(s)).collect::<Result<_, _>>()?;
@@ -42,6 +46,8 @@ impl Running {
             world,
             shapes,
             materials,
+            colors,
+            visuals,
             templates,
             rows,
             pours,
@@ -71,6 +77,16 @@ impl Running {
         &self.materials
     }
 
+    /// The colour of each of these materials, where it has one.
+    pub fn colors(&self) -> &[Option<Color>] {
+        &self.colors
+    }
+
+    /// What is seen in place of shapes, in their frames: meshes that [`Look::visual`](crate::Look::visual) of a row counts.
+    pub fn visuals(&self) -> &[Shape] {
+        &self.visuals
+    }
+
     /// Bodies that have not been poured yet.
     pub fn waiting(&self) -> usize {
         self.pours.iter().zip(&self.emitted).map(|(p, n)| p.rows.len() - n).sum()
@@ -92,6 +108,7 @@ impl Running {
             kind: body.kind,
             sensor: body.sensor,
             material,
+            look: Look::default(),
         };
         let id = self.world.spawn(Body { id: Some(BodyId(id)), ..body })?;
         self.rows.push(row);
@@ -124,7 +141,7 @@ impl Running {
         // The scene makes the others anew; all random numbers of a pour follow from its seed and the number of a body.
         #[rustfmt::skip]
         let Running {
-            world, emitted, rows: _, shapes: _, materials: _, templates: _, pours: _, balls: _, rate: _,
+            world, emitted, rows: _, shapes: _, materials: _, colors: _, visuals: _, templates: _, pours: _, balls: _, rate: _,
         } = self;
         to.column("emitted", &emitted.iter().map(|&count| count as u64).collect::<Vec<u64>>())?;
         world.save(to)

@@ -10,6 +10,7 @@ use crate::root::Output;
 use crate::running::Running;
 use crate::source::{Source, Sources};
 use crate::start::{Begun, Lookup, center};
+use crate::visual::Color;
 use crate::{import, root, write};
 use rockfall::{Kind, Settings, Shape, Solver};
 use rockfall_cache::Start;
@@ -58,8 +59,12 @@ pub struct Scene {
 pub struct Inventory {
     /// All shapes, at the size of their bodies.
     pub shapes: Vec<Shape>,
+    /// What is seen in place of shapes, in their frames: meshes that [`Look::visual`](crate::Look::visual) counts. They collide with nothing.
+    pub visuals: Vec<Shape>,
     /// Names of all materials.
     pub materials: Vec<String>,
+    /// The colour of each material, where it has one.
+    pub colors: Vec<Option<Color>>,
     /// All bodies, also those that are poured later; ids ascend unless the scene chose some.
     pub bodies: Vec<BodyRow>,
     /// The centre of mass of each body in the frame of its shape, metres; zero of one that is not dynamic.
@@ -193,7 +198,7 @@ impl Scene {
     /// Names of all materials, those of the run that the scene starts with last.
     pub fn materials(&self) -> Vec<String> {
         let own = import::materials(&self.root, &self.imports).into_iter().map(|(name, _)| name);
-        let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|(name, _)| name.clone());
+        let former = self.begun.iter().flat_map(|begun| &begun.materials).map(|former| former.name.clone());
         own.chain(former).collect()
     }
 
@@ -228,7 +233,8 @@ impl Scene {
             Kind::Kinematic | Kind::Static => Vec3::ZERO,
         };
         let centers = plan.rows.iter().enumerate().map(center).collect();
-        Ok(Inventory { shapes: plan.shapes, materials: self.materials(), bodies: plan.rows, centers })
+        let Plan { shapes, visuals, colors, rows: bodies, .. } = plan;
+        Ok(Inventory { shapes, visuals, materials: self.materials(), colors, bodies, centers })
     }
 
     /// How the scene's `decomposition` shapes are cut, and how far the hulls are from the meshes. Cuts them, which may take seconds.

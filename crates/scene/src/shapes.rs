@@ -145,7 +145,7 @@ fn only_one_of(table: &Table, keys: &[&'static str]) -> Result<&'static str, Pro
 }
 
 /// Something went wrong with what a key gives.
-fn failed(table: &Table, key: &str, why: impl std::fmt::Display) -> Problem {
+pub(crate) fn failed(table: &Table, key: &str, why: impl std::fmt::Display) -> Problem {
     Problem::at(table.span_of(key), format!("`{}`: {why}", table.path_of(key)))
 }
 

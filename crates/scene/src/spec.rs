@@ -65,6 +65,8 @@ pub(crate) enum Ty {
     Shapes,
     /// Name of a material.
     Material,
+    /// `#rrggbb`.
+    Color,
     Table(&'static Spec),
     /// A table whose key `kind` says which keys it has.
     Kinds(&'static Kinds),
@@ -178,6 +180,7 @@ impl Ty {
             Ty::Shape => "the name of a shape".to_owned(),
             Ty::Shapes => "the name of a shape, or a list of names".to_owned(),
             Ty::Material => "the name of a material".to_owned(),
+            Ty::Color => "a colour as \"#rrggbb\"".to_owned(),
             Ty::Table(spec) => format!("a table with {}", one_of(spec.keys().map(|k| k.name))),
             Ty::Kinds(kinds) => format!("a table that describes a {}", kinds.name),
             Ty::Named(ty) => match ty {

@@ -11,6 +11,7 @@ use crate::node::Table;
 use crate::plan::{BodyRow, Plan};
 use crate::scene::Scene;
 use crate::spec::{Spec, Ty, key, optional, required};
+use crate::visual::{Color, Look};
 use rockfall::{Kind, Material, Shape};
 use rockfall_cache::{Error, Start, VelocityOf};
 use rockfall_import::Content;
@@ -72,10 +73,20 @@ pub(crate) struct Begun {
     pub(crate) start: Start,
     /// Those in use.
     pub(crate) shapes: Vec<Shape>,
+    /// What is seen in place of them.
+    pub(crate) visuals: Vec<Shape>,
     /// Those of the run that are in use, behind those of the scene.
-    pub(crate) materials: Vec<(String, Material)>,
+    pub(crate) materials: Vec<FormerMaterial>,
     pub(crate) templates: Vec<Template>,
     pub(crate) bodies: Vec<Former>,
+}
+
+/// A material of the run.
+#[derive(Clone, Debug)]
+pub(crate) struct FormerMaterial {
+    pub(crate) name: String,
+    pub(crate) material: Material,
+    pub(crate) color: Option<Color>,
 }
 
 /// A body of the run. Its numbers of shape, material and template are those of [`Begun`], but that materials of the scene come first.
@@ -119,6 +130,7 @@ impl Begun {
         let mut begun = Begun {
             start,
             shapes: Vec::new(),
+            visuals: Vec::new(),
             materials: Vec::new(),
             templates: plan.templates.clone(),
             bodies: Vec::new(),
@@ -148,7 +160,7 @@ impl Begun {
             words.iter().any(|node| node.value.text() == word)
         };
         let rows: BTreeMap<u64, usize> = plan.rows.iter().enumerate().map(|(k, row)| (row.id, k)).collect();
-        let (mut shapes, mut materials) = (BTreeMap::new(), BTreeMap::new());
+        let (mut shapes, mut visuals, mut materials) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
         let centers: Vec<Vec3> = plan.shapes.iter().map(center).collect();
         let state = &self.start.state;
         for ((&id, &pose), &motion) in state.ids.iter().zip(&state.poses).zip(&state.velocities) {
@@ -163,6 +175,12 @@ impl Begun {
             let shape = *shapes.entry(row.shape).or_insert_with(|| {
                 self.shapes.push(plan.shapes[row.shape].clone());
                 self.shapes.len() - 1
+            });
+            let visual = row.look.visual.map(|visual| {
+                *visuals.entry(visual).or_insert_with(|| {
+                    self.visuals.push(plan.visuals[visual as usize].clone());
+                    self.visuals.len() as u32 - 1
+                })
             });
             let material = match materials.get(&row.material) {
                 Some(&material) => material,
@@ -180,7 +198,8 @@ impl Begun {
                         };
                         found.ok_or_else(missing)?
                     } else {
-                        self.materials.push((name.clone(), plan.materials[row.material]));
+                        let (material, color) = (plan.materials[row.material], plan.colors[row.material]);
+                        self.materials.push(FormerMaterial { name: name.clone(), material, color });
                         first + self.materials.len() - 1
                     };
                     materials.insert(row.material, material);
@@ -199,7 +218,7 @@ impl Begun {
                 _ => motion,
             };
             self.bodies.push(Former {
-                row: BodyRow { shape, material, ..row.clone() },
+                row: BodyRow { shape, material, look: Look { visual, ..row.look }, ..row.clone() },
                 template,
                 pose,
                 motion,

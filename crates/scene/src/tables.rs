@@ -1,6 +1,7 @@
 //! Settings and materials as tables of a scene file: for programs that change them and want to keep what they have.
 
 use crate::root::{INTEGRATORS, MIXES, solver_word};
+use crate::visual::{self, Color};
 use rockfall::{Integrator, Material, Mix, Settings};
 
 /// The table `[world]` of a scene with these settings. Threads, lanes, and switches that a scene does not have, are not in it.
@@ -41,8 +42,8 @@ pub fn world_table(settings: &Settings, frames: u64, seed: u64) -> String {
     )
 }
 
-/// The table `[materials.NAME]` of a material.
-pub fn material_table(name: &str, material: &Material) -> String {
+/// The table `[materials.NAME]` of a material, with its colour if it has one.
+pub fn material_table(name: &str, material: &Material, color: Option<Color>) -> String {
     let &Material {
         density,
         restitution,
@@ -61,10 +62,11 @@ pub fn material_table(name: &str, material: &Material) -> String {
     };
     format!(
         "[materials.{}]\ndensity = {density:?}\nrestitution = {restitution:?}\nfriction = {friction:?}\nrolling_friction = {rolling_friction:?}\n\
-         twisting_friction = {twisting_friction:?}\nfriction_mix = \"{}\"\nrestitution_mix = \"{}\"\n",
+         twisting_friction = {twisting_friction:?}\nfriction_mix = \"{}\"\nrestitution_mix = \"{}\"\n{}",
         toml::Value::String(name.to_owned()),
         mix(friction_mix),
-        mix(restitution_mix)
+        mix(restitution_mix),
+        color.map(|color| format!("color = \"{}\"\n", visual::spell(color))).unwrap_or_default()
     )
 }
 
@@ -103,16 +105,19 @@ mod tests {
             friction_mix: Mix::Product,
             restitution_mix: Mix::Average,
         };
-        let (world, ice) = (world_table(&settings, 12, 99), material_table("dirty \"ice\"", &material));
+        let color = Some([200, 10, 255]);
+        let (world, ice) =
+            (world_table(&settings, 12, 99), material_table("dirty \"ice\"", &material, color));
         let text =
             format!("{world}\n{ice}\n[shapes.b]\nkind = \"sphere\"\nradius = 1\n[[bodies]]\nshape = \"b\"\n");
         let scene = Scene::parse(&text, "x", ".").unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((scene.settings, scene.frames, scene.seed), (settings, 12, 99));
         let place = scene.materials().iter().position(|name| name == "dirty \"ice\"").unwrap();
         assert_eq!(scene.plan().unwrap().materials[place], material);
+        assert_eq!(scene.plan().unwrap().colors[place], color);
         for mix in [Mix::GeometricMean, Mix::Minimum, Mix::Maximum] {
             let own = Material { friction_mix: mix, ..material };
-            let text = text.replace(&ice, &material_table("dirty \"ice\"", &own));
+            let text = text.replace(&ice, &material_table("dirty \"ice\"", &own, None));
             let scene = Scene::parse(&text, "x", ".").unwrap();
             assert_eq!(scene.plan().unwrap().materials[place], own);
         }

@@ -10,7 +10,7 @@ fn scenes() -> PathBuf {
 }
 
 /// Name, and bodies including those that are poured.
-const SHIPPED: [(&str, u64); 14] = [
+const SHIPPED: [(&str, u64); 15] = [
     ("hello", 10),
     ("rockslide", 20_001),
     ("pyramid", 5_051),
@@ -25,6 +25,7 @@ const SHIPPED: [(&str, u64); 14] = [
     ("compounds", 167),
     ("cup", 14),
     ("hare-in-cup", 3),
+    ("hares", 126),
 ];
 
 fn load(name: &str) -> Scene {
@@ -99,13 +100,45 @@ fn every_scene_becomes_a_world_that_steps() {
     }
 }
 
-/// The words of JSON schema that the schema uses; any other word is an error.
-fn complaints(schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
+/// Each section of the guide to shapes has a picture, made by the command that stands there of the scene beside it.
+#[test]
+fn every_shape_of_the_guide_has_a_picture_and_the_scene_that_it_shows() {
+    let docs = scenes().join("../docs");
+    let text = std::fs::read_to_string(docs.join("shapes.md")).unwrap();
+    let mut shown = Vec::new();
+    for section in text.split("\n## ").skip(1) {
+        let (title, rest) = section.split_once('\n').unwrap();
+        let found = rest.split("](images/shapes/").nth(1).and_then(|rest| rest.split_once(".png)"));
+        let (name, _) = found.unwrap_or_else(|| panic!("{title} has no picture"));
+        let picture = docs.join(format!("images/shapes/{name}.png"));
+        let size = std::fs::metadata(&picture).unwrap_or_else(|e| panic!("{}: {e}", picture.display())).len();
+        assert!((1000..25_000).contains(&size), "{name} has {size} bytes");
+        let scene =
+            Scene::load(picture.with_extension("toml")).unwrap_or_else(|e| panic!("{}", e.render(false)));
+        scene.inventory().unwrap_or_else(|e| panic!("{}", e.render(false)));
+        shown.push(name.to_owned());
+    }
+    let entries = std::fs::read_dir(docs.join("images/shapes")).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = entries.filter(|path| path.extension().is_some_and(|e| e == "toml"));
+    let mut there: Vec<String> =
+        scenes.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    there.sort();
+    shown.sort();
+    assert_eq!(shown, there);
+}
+
+/// The words of JSON schema that the schema uses; any other word is an error. `whole` has the definitions.
+fn complaints(whole: &Value, schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
     let mut complain = |what: String| out.push(format!("{at}: {what}"));
     let mut inner = Vec::new();
     for (word, rule) in schema.as_object().unwrap() {
         match word.as_str() {
-            "$schema" | "title" | "description" | "default" => {}
+            "$schema" | "$defs" | "title" | "description" | "default" => {}
+            "$ref" => {
+                let name = rule.as_str().and_then(|rule| rule.strip_prefix("#/$defs/")).unwrap();
+                inner.push((whole["$defs"][name].clone(), value));
+                assert!(whole["$defs"][name].is_object(), "{name}");
+            }
             "type" => {
                 let good = match rule.as_str().unwrap() {
                     "object" => value.is_object(),
@@ -137,6 +170,13 @@ fn complaints(schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
             "const" if value != rule => complain(format!("is not {rule}")),
             "enum" if !rule.as_array().unwrap().contains(value) => complain(format!("is not one of {rule}")),
             "const" | "enum" | "uniqueItems" => {}
+            "pattern" => {
+                assert_eq!(rule, "^#[0-9a-fA-F]{6}$", "the only one so far");
+                let digits = value.as_str().and_then(|text| text.strip_prefix('#')).unwrap_or_default();
+                if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+                    complain(format!("does not match {rule}"));
+                }
+            }
             "required" => {
                 for key in rule.as_array().unwrap() {
                     if value.is_object() && value.get(key.as_str().unwrap()).is_none() {
@@ -166,7 +206,7 @@ fn complaints(schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
             "anyOf" | "oneOf" => {
                 let fits = |case: &&Value| {
                     let mut found = Vec::new();
-                    complaints(case, value, at, &mut found);
+                    complaints(whole, case, value, at, &mut found);
                     found.is_empty()
                 };
                 let fitting = rule.as_array().unwrap().iter().filter(fits).count();
@@ -177,7 +217,7 @@ fn complaints(schema: &Value, value: &Value, at: &str, out: &mut Vec<String>) {
             other => panic!("the schema uses {other}"),
         }
     }
-    inner.into_iter().for_each(|(rule, item)| complaints(&rule, item, at, out));
+    inner.into_iter().for_each(|(rule, item)| complaints(whole, &rule, item, at, out));
 }
 
 #[test]
@@ -186,7 +226,7 @@ fn every_scene_validates_and_the_schema_rejects_what_the_reader_rejects() {
     let check = |text: &str| {
         let value = serde_json::to_value(text.parse::<toml::Table>().unwrap()).unwrap();
         let mut out = Vec::new();
-        complaints(&schema, &value, "scene", &mut out);
+        complaints(&schema, &schema, &value, "scene", &mut out);
         out
     };
     for (name, _) in SHIPPED {
@@ -201,6 +241,7 @@ fn every_scene_validates_and_the_schema_rejects_what_the_reader_rejects() {
         "[shapes.x]\nkind = \"sphere\"",
         "[shapes.x]\nkind = \"sphere\"\nradius = 1\nlength = 2",
         "[[bodies]]\nshape = \"x\"\nposition = [0, 0]",
+        "[materials.x]\ncolor = \"red\"",
     ] {
         assert!(!check(wrong).is_empty(), "{wrong}");
         assert!(Scene::parse(wrong, "x", ".").is_err(), "{wrong}");

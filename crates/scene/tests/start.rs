@@ -108,6 +108,34 @@ fn build(text: &str, folder: &TempDir) -> Running {
     running
 }
 
+/// Visuals are numbered anew, since those of bodies that are left out are not taken over.
+#[test]
+fn what_bodies_look_like_goes_on_with_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let corner = folder.path().join("corner.obj");
+    std::fs::write(&corner, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 3 2\n").unwrap();
+    let visual = |scale: u32| format!("visual = {{ file = \"{}\", scale = {scale} }}\n", corner.display());
+    let text = TUMBLE
+        .replace("name = \"left\"\n", &format!("name = \"left\"\n{}", visual(2)))
+        .replace("name = \"wedge\"\n", &format!("name = \"wedge\"\ncolor = \"#102030\"\n{}", visual(3)))
+        .replace("friction = 0.03", "friction = 0.03\ncolor = \"#a0b0c0\"");
+    run(&text, &folder.path().join("run"));
+    let text = "[start]\nrun = \"run\"\nwithout = [\"left\"]\n[materials.default]\ncolor = \"#ffffff\"\n\
+                [shapes.box]\nkind = \"box\"\nsize = [1, 1, 1]\nvisual = { file = \"corner.obj\" }\n[[bodies]]\nshape = \"box\"\n";
+    let inventory = parse(text, folder.path()).inventory().unwrap();
+    let found = |name: &str| inventory.bodies.iter().find(|body| body.name.as_deref() == Some(name));
+    let wedge = found("wedge").unwrap();
+    assert_eq!(wedge.look.color, Some([0x10, 0x20, 0x30]));
+    let size = |look: rockfall_scene::Look| inventory.visuals[look.visual.unwrap() as usize].bounds().max.x;
+    assert_eq!(size(wedge.look), 3.0);
+    assert_eq!(size(inventory.bodies.last().unwrap().look), 1.0);
+    assert_eq!(inventory.visuals.len(), 2);
+    let ice = inventory.materials.iter().position(|name| name == "ice").unwrap();
+    assert_eq!(inventory.colors[ice], Some([0xa0, 0xb0, 0xc0]));
+    assert_eq!(inventory.colors[0], Some([255; 3]));
+    assert_eq!(inventory.colors.len(), inventory.materials.len());
+}
+
 #[test]
 fn bodies_go_on_from_where_they_were_and_new_ones_are_counted_behind_them() {
     let (folder, states) = place();

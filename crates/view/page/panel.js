@@ -131,7 +131,10 @@ export class Panel {
     const lines = [];
     /** @param {string} name @param {string | null | undefined | false} value */
     const line = (name, value) => value && lines.push([name, value]);
+    /** What is kept of the present alone. @param {any} known @param {string} value */
+    const kept = (known, value) => (told.past !== undefined && known === null ? 'not kept' : value);
     if (told.why) line('', told.why);
+    if (told.past !== undefined) line('As at frame', `${told.past}; the newest tells all`);
     if (told.id && !told.why) {
       line('Number', told.id);
       line('Shape', `${told.shape ?? '–'}, ${vector(told.size)} m`);
@@ -140,13 +143,13 @@ export class Panel {
       line('Mass', told.mass && `${short(told.mass)} kg`);
       line('Position', `${vector(told.position)} m`);
       line('Rotation', vector(told.rotation));
-      line('Velocity', `${vector(told.velocity)} m/s`);
-      line('Speed', `${short(Math.hypot(...told.velocity))} m/s`);
-      line('Spin', `${vector(told.spin)} rad/s`);
+      line('Velocity', kept(told.velocity, `${vector(told.velocity)} m/s`));
+      line('Speed', kept(told.velocity, `${short(Math.hypot(...(told.velocity ?? [])))} m/s`));
+      line('Spin', kept(told.spin, `${vector(told.spin)} rad/s`));
       line('State', told.asleep === null ? null : told.asleep ? 'asleep' : 'awake');
-      line('Pressed by', told.force === null ? null : `${short(told.force)} N`);
+      line('Pressed by', kept(told.force, told.force === null ? '' : `${short(told.force)} N`));
       if (told.contacts_unknown) line('Contacts', told.contacts_unknown);
-      else line('Contacts', String(told.contact_count));
+      else line('Contacts', kept(told.contact_count, String(told.contact_count)));
     }
     const list = element('told', HTMLElement);
     const entries = lines.flatMap(([name, value]) => [make('dt', name), make('dd', value)]);

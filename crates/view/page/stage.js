@@ -159,8 +159,8 @@ export class Stage {
     attribute(3, this.buffers.was, 3, 1, gl.UNSIGNED_INT, 12 * first);
     attribute(4, this.buffers.scale, 3, 1, gl.FLOAT, 12 * first);
     attribute(5, this.buffers.color, 4, 1, gl.UNSIGNED_BYTE, 4 * first, true);
-    // What can move has an inside, which nobody sees.
-    const closed = this.rows.subarray(first, first + bodies).every((row) => this.table.bits[row] & 1);
+    // What can move has an inside, which nobody sees unless the mesh that is shown has holes.
+    const closed = this.rows.subarray(first, first + bodies).every((row) => (this.table.bits[row] & 5) === 1);
     return { kind: mesh.kind, closed, vertices, count: shape.triangles.length, first, bodies };
   }
 

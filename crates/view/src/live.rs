@@ -6,10 +6,10 @@ use crate::scenery::{Row, Scenery};
 use crate::source::Range;
 use crate::toys::Toys;
 use crate::wire::{Grid, Moment};
-use rockfall::{BodyId, Settings, Solver, Spring};
-use rockfall_math::{DVec3, Vec3};
+use rockfall::{BodyId, Settings, Shape, Solver, Spring};
+use rockfall_math::{DVec3, Pose, Vec3};
 use rockfall_picture::Sight;
-use rockfall_scene::{Running, Scene, SceneCamera};
+use rockfall_scene::{BodyRow, Running, Scene, SceneCamera};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -214,12 +214,9 @@ impl Live {
             return;
         }
         // What was added stands behind all others, with larger ids.
-        let added: Vec<Row> = rows[known..]
-            .iter()
-            .map(|row| Row { id: row.id, shape: row.shape, kind: row.kind, sensor: row.sensor })
-            .collect();
-        let scenery = Arc::make_mut(&mut self.scenery);
-        added.iter().for_each(|row| scenery.add(self.running.world.shapes(), *row));
+        let added: Vec<Row> = rows[known..].iter().map(|body| row(&self.running, body)).collect();
+        let (scenery, shapes) = (Arc::make_mut(&mut self.scenery), shown(&self.running));
+        added.iter().for_each(|row| scenery.add(&shapes, *row));
         let moment = self.seen();
         self.history.replace_last(moment, MOST);
     }
@@ -263,23 +260,29 @@ impl Live {
     }
 }
 
+/// What is to be seen of bodies: meshes in place of shapes, and behind them the shapes, of which there may be more later.
+fn shown(running: &Running) -> Vec<Shape> {
+    running.visuals().iter().chain(running.world.shapes()).cloned().collect()
+}
+
+fn row(running: &Running, body: &BodyRow) -> Row {
+    let shape = running.visuals().len() + body.shape;
+    let shown = body.look.visual.map_or(shape, |visual| visual as usize);
+    Row { id: body.id, shown, kind: body.kind, sensor: body.sensor }
+}
+
 /// The table of a world that has just been built.
 fn lay_out(running: &Running, epoch: u32) -> Scenery {
-    let mut rows: Vec<Row> = running
-        .body_table()
-        .iter()
-        .map(|row| Row { id: row.id, shape: row.shape, kind: row.kind, sensor: row.sensor })
-        .collect();
+    let mut rows: Vec<Row> = running.body_table().iter().map(|body| row(running, body)).collect();
     rows.sort_by_key(|row| row.id);
     let world = &running.world;
-    let places: Vec<_> = world
-        .shapes_of_bodies()
-        .into_iter()
-        .zip(world.poses())
-        .map(|(shape, pose)| (shape.index(), pose))
-        .collect();
+    let place = |(id, pose): (BodyId, Pose)| {
+        let found = rows.binary_search_by_key(&id.0, |row| row.id).ok()?;
+        Some((rows[found].shown, pose))
+    };
+    let places: Vec<_> = world.ids().into_iter().zip(world.poses()).filter_map(place).collect();
     // A scene that is all poured has nobody at first; the sizes of what will come are better than nothing.
-    let mut scenery = Scenery::new(world.shapes(), &rows, &places);
+    let mut scenery = Scenery::new(&shown(running), &rows, &places);
     scenery.epoch = epoch;
     scenery
 }
@@ -287,6 +290,7 @@ fn lay_out(running: &Running, epoch: u32) -> Scenery {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::MeshKind;
     use rockfall::Kind;
     use std::fs;
 
@@ -352,6 +356,27 @@ region = { min = [4, 4, 2], max = [8, 8, 6] }
         assert_eq!(live.sight(live.frame).unwrap().bodies.len(), before + 65);
         assert!(live.throw(DVec3::NAN, Vec3::ZERO, 0.5).is_err());
         assert!(live.pile(DVec3::ZERO, 0.5, 100_000).is_err());
+    }
+
+    #[test]
+    fn a_visual_is_shown_in_place_of_a_shape_also_when_shapes_are_added() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("roof.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 4 3\n")
+            .unwrap();
+        let path = folder.path().join("small.toml");
+        let text = SCENE.replace("name = \"cube\"\n", "name = \"cube\"\nvisual = { file = \"roof.obj\" }\n");
+        fs::write(&path, text).unwrap();
+        let mut live = Live::open(&path, 1).unwrap();
+        let mesh = |live: &Live, row: usize| {
+            let mesh = &live.scenery.meshes[live.scenery.bodies[row].mesh as usize];
+            (mesh.kind, mesh.surface.triangles.len())
+        };
+        let [roof, cube] = [mesh(&live, 1), mesh(&live, 2)];
+        assert_eq!((roof, cube.1), ((MeshKind::Flat, 2), 12));
+        assert!(live.scenery.bodies[1].open && !live.scenery.bodies[2].open);
+        live.throw(DVec3::new(0.0, 0.0, 9.0), Vec3::X, 0.5).unwrap();
+        assert_eq!(mesh(&live, 7).0, MeshKind::Ball);
+        assert_eq!([mesh(&live, 1), mesh(&live, 2)], [roof, cube]);
     }
 
     #[test]

@@ -33,7 +33,7 @@ impl Recording {
         let rows: Vec<Row> = (0..bodies.len())
             .map(|k| Row {
                 id: bodies.ids[k],
-                shape: inventory.shape_of[k] as usize,
+                shown: inventory.shown_of[k] as usize,
                 kind: inventory.kinds[k],
                 sensor: inventory.sensors[k],
             })
@@ -45,7 +45,7 @@ impl Recording {
             let place = |k: usize| {
                 let (position, rotation) = poses.at(k)?;
                 let pose = Pose { position: run.origin() + position.as_dvec3(), rotation };
-                Some((inventory.shape_of[k] as usize, pose))
+                Some((inventory.shown_of[k] as usize, pose))
             };
             places.extend((0..bodies.len()).filter_map(place));
         }

@@ -62,8 +62,8 @@ fn of_live(live: &Live, frame: u64, place: &Path) -> Result<Option<String>, Erro
         quoted(&place.display().to_string())
     );
     if distinct {
-        for (name, id) in names.iter().zip(live.running.materials()) {
-            let _ = write!(text, "\n{}", material_table(name, &world.material(*id)?));
+        for ((name, id), color) in names.iter().zip(live.running.materials()).zip(live.running.colors()) {
+            let _ = write!(text, "\n{}", material_table(name, &world.material(*id)?, *color));
         }
     }
     added(live, &names, &mut text)?;

@@ -18,7 +18,8 @@ const MARGIN: f32 = 1.5;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) id: u64,
-    pub(crate) shape: usize,
+    /// Index of its shape, or of what is seen in its place.
+    pub(crate) shown: usize,
     pub(crate) kind: Kind,
     pub(crate) sensor: bool,
 }
@@ -89,8 +90,8 @@ impl Scenery {
         // Shapes are cut into triangles by all threads.
         let mut keys = BTreeMap::new();
         for row in rows.iter().filter(|row| !row.sensor) {
-            if let Some(shape) = shapes.get(row.shape) {
-                keys.entry(key(row.shape, shape)).or_insert(shape);
+            if let Some(shape) = shapes.get(row.shown) {
+                keys.entry(key(row.shown, shape)).or_insert(shape);
             }
         }
         let keys: Vec<(Key, &Shape)> = keys.into_iter().collect();
@@ -104,17 +105,18 @@ impl Scenery {
 
     /// Adds a row. Its id is larger than all others.
     pub(crate) fn add(&mut self, shapes: &[Shape], row: Row) {
-        let shape = shapes.get(row.shape).filter(|_| !row.sensor);
+        let shape = shapes.get(row.shown).filter(|_| !row.sensor);
         let look = shape.map(|shape| {
             let known = self.mesh_of.len() as u32;
-            let mesh_number = *self.mesh_of.entry(key(row.shape, shape)).or_insert(known);
+            let mesh_number = *self.mesh_of.entry(key(row.shown, shape)).or_insert(known);
             if mesh_number as usize == self.meshes.len() {
                 self.meshes.push(Arc::new(mesh(shape, FAR * self.reach)));
             }
             (mesh_number, scale(shape))
         });
         let (mesh, scale) = look.unwrap_or((0, Vec3::ONE));
-        self.bodies.push(Body { mesh, scale, moves: row.kind != Kind::Static, hidden: look.is_none() });
+        let open = matches!(shape, Some(Shape::Mesh(mesh)) if !mesh.closed);
+        self.bodies.push(Body { mesh, scale, moves: row.kind != Kind::Static, hidden: look.is_none(), open });
         self.ids.push(row.id);
     }
 
@@ -202,7 +204,7 @@ mod tests {
         let rows: Vec<Row> = (0..6)
             .map(|k| Row {
                 id: 10 + k as u64,
-                shape: k,
+                shown: k,
                 kind: if k == 5 { Kind::Static } else { Kind::Dynamic },
                 sensor: k == 3,
             })
@@ -216,7 +218,7 @@ mod tests {
         assert!(scenery.bodies[3].hidden && !scenery.bodies[5].moves);
         assert_eq!((scenery.row(12), scenery.row(99)), (Some(2), None));
         assert!((scenery.origin.x - 1e6 - 24.0).abs() < 1.0, "{}", scenery.origin);
-        scenery.add(&shapes, Row { id: 20, shape: 0, kind: Kind::Dynamic, sensor: false });
+        scenery.add(&shapes, Row { id: 20, shown: 0, kind: Kind::Dynamic, sensor: false });
         assert_eq!((scenery.meshes.len(), scenery.bodies.len(), scenery.row(20)), (4, 7, Some(6)));
     }
 

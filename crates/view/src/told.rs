@@ -2,7 +2,9 @@
 
 use crate::scenery::Scenery;
 use crate::source::{Kind, Source};
+use crate::wire::{Grid, Moment};
 use rockfall::BodyId;
+use rockfall_math::DVec3;
 use rockfall_picture::Sight;
 use serde_json::{Value, json};
 
@@ -64,6 +66,29 @@ pub(crate) fn told(source: &Source, sight: &Sight, scenery: &Scenery, row: u32) 
             };
             value["contacts"] = mine.iter().take(MOST_CONTACTS).map(one).collect();
         }
+    }
+    value
+}
+
+/// What there is to say of the body in a row as it was at a moment that is past, of which places and who slept are kept; `newest` is what is known of the present, and tells what does not
+/// change: name, shape, material and mass. What is not kept is null.
+pub(crate) fn told_of_past(source: &Source, newest: &Sight, moment: &Moment, row: u32) -> Value {
+    let Moment { scenery, frame, .. } = moment;
+    let record = moment.records.get(row as usize).copied();
+    let then = record.and_then(|record| Grid { step: moment.step }.pose(record));
+    let Some((position, rotation, asleep)) = then else {
+        return json!({"is": "picked", "row": row, "gone": true});
+    };
+    let mut value = told(source, newest, scenery, row);
+    if value["gone"] == true {
+        return value;
+    }
+    value["past"] = json!(frame);
+    value["position"] = json!((scenery.origin + DVec3::from(position)).to_array());
+    value["rotation"] = json!(rotation.to_array());
+    value["asleep"] = json!(asleep);
+    for key in ["center", "velocity", "spin", "force", "contact_count", "contacts"] {
+        value[key] = Value::Null;
     }
     value
 }

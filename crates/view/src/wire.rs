@@ -31,7 +31,7 @@
 //! **3, meshes.** 4: u32 number of the first one, 8: u32 count. For each: u32 kind (0 flat faces, 1 ball, 2 plane, 3 smooth), u32 corners, u32 triangles, f32 radius; then corners (3 f32), and where it is smooth
 //! their normals (3 f32), then triangles (3 u32).
 //!
-//! **4, bodies.** 4: u32 first row, 8: u32 count, 12: u32 1 to forget all former rows, meshes and records. For each: u32 mesh, 3 f32 scale, u32 bits: 1 it can move, 2 it is nothing to look at.
+//! **4, bodies.** 4: u32 first row, 8: u32 count, 12: u32 1 to forget all former rows, meshes and records. For each: u32 mesh, 3 f32 scale, u32 bits: 1 it can move, 2 it is nothing to look at, 4 it is seen from inside as well.
 //!
 //! **5, lines of overlays.** 4: u32 count. For each: 2 × 3 f32 ends from the origin, metres, u32 colour in sRGB, lowest byte red, and in the highest byte 1 where both ends are one point.
 

@@ -1,72 +1,8 @@
-// Drives the page in a real browser: node page.mjs PLAYWRIGHT CHROMIUM URL [FOLDER FOR SCREENSHOTS]. Lines on standard output ask the test that started it for something, which it answers by a line.
-import { createRequire } from 'node:module';
-import { createInterface } from 'node:readline';
+// A simulation on the page: all that one can look at, and touch.
 import assert from 'node:assert/strict';
+import { ask, done, drive, onScreen, open, picture, shoot, until, url, value } from './browser.mjs';
 
-const [playwright, executablePath, url, shots] = process.argv.slice(2);
-const { chromium } = createRequire(import.meta.url)(playwright);
-const answers = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
-const ask = async (what) => {
-  console.log(what);
-  return (await answers.next()).value;
-};
-const began = Date.now();
-const done = (what) => console.error(`${((Date.now() - began) / 1000).toFixed(1)} s  ${what}`);
-
-const browser = await chromium.launch({
-  executablePath,
-  args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--no-sandbox'],
-});
-const troubles = [];
-const open = async (address = url, options = {}) => {
-  const context = await browser.newContext({ viewport: { width: 800, height: 420 }, permissions: ['clipboard-read', 'clipboard-write'], ...options });
-  const page = await context.newPage();
-  page.setDefaultTimeout(30000);
-  page.on('pageerror', (error) => troubles.push(String(error)));
-  page.on('console', (line) => line.type() === 'error' && !line.text().includes('WebSocket') && troubles.push(line.text()));
-  await page.goto(address);
-  await page.waitForFunction(() => globalThis.rockfall?.stage.rows.length > 0 && rockfall.status(), undefined, { polling: 60 });
-  return page;
-};
-const shoot = async (page, name) => shots && (await page.screenshot({ path: `${shots}/${name}.png` }));
-const value = (page, script, argument) => page.evaluate(script, argument);
-const until = (page, script, argument) => page.waitForFunction(script, argument, { polling: 60 });
-/** The picture as it is, its colours in steps of 16 counted; and the share of pixels that differ from a former one. */
-const picture = (page) =>
-  value(page, () => {
-    // As many pixels each time, however slow the machine is.
-    rockfall.draw.ratio = 0.5;
-    rockfall.picture();
-    const bytes = rockfall.draw.pixels();
-    const before = globalThis.before;
-    globalThis.before = bytes;
-    const colors = new Set();
-    let differ = 0;
-    for (let k = 0; k < bytes.length; k += 4) {
-      colors.add(((bytes[k] >> 4) << 8) | ((bytes[k + 1] >> 4) << 4) | (bytes[k + 2] >> 4));
-      if (before?.length === bytes.length && Math.abs(bytes[k] - before[k]) + Math.abs(bytes[k + 1] - before[k + 1]) > 12) differ++;
-    }
-    return { colors: colors.size, differ: (4 * differ) / bytes.length };
-  });
-/** Where the body in a row is on the screen. */
-const onScreen = (page, row) =>
-  value(
-    page,
-    (row) => {
-      const { stage, camera, draw } = rockfall;
-      const at = stage.place(row), eye = camera.eye, [r, u, f] = camera.axes;
-      const way = at.map((x, k) => x - eye[k]);
-      const dot = (a) => a[0] * way[0] + a[1] * way[1] + a[2] * way[2];
-      const box = draw.canvas.getBoundingClientRect();
-      return [
-        box.left + (0.5 - 0.5 * camera.shift + (0.5 * dot(r)) / (dot(f) * camera.half * draw.aspect)) * box.width,
-        box.top + (0.5 - (0.5 * dot(u)) / (dot(f) * camera.half)) * box.height,
-      ];
-    },
-    row,
-  );
-
-try {
+await drive(async () => {
   const page = await open();
   // It plays, and it draws.
   await until(page, () => rockfall.stage.frame > 40);
@@ -113,7 +49,14 @@ try {
   const still = await onScreen(page, 123);
   await page.mouse.click(...still);
   await until(page, () => document.querySelector('#body').hidden === false && document.querySelector('#told').textContent.includes('2 600 kg'));
+  // Of what has been, places alone are kept; that is said.
   await value(page, () => rockfall.panel.toggle(true));
+  await page.locator('#back').click();
+  await until(page, () => /As at frame\d+.*Mass2 600 kg.*Velocitynot keptSpeednot kept/.test(document.querySelector('#told').textContent));
+  await page.locator('#body').scrollIntoViewIfNeeded();
+  await shoot(page, 'past');
+  await page.locator('#newest').click();
+  await until(page, () => !document.querySelector('#told').textContent.includes('not kept'));
   await page.locator('#color').selectOption('force');
   await until(page, () => document.querySelector('#legend').textContent.includes('contact force, N'));
   await page.locator('#overlays input[name=contacts]').check();
@@ -232,14 +175,4 @@ try {
   assert.ok((await picture(page)).colors > 40);
   await shoot(page, 'wide');
   done('finds its way back');
-  assert.deepEqual(troubles, []);
-} catch (error) {
-  const state = () => ({ status: rockfall.status(), said: document.querySelector('#messages').textContent, held: rockfall.hands.held, tool: rockfall.hands.tool, pictures: rockfall.draw.calls });
-  for (const page of browser.contexts().flatMap((context) => context.pages())) {
-    console.error(JSON.stringify(await page.evaluate(state).catch(String)));
-  }
-  throw error;
-} finally {
-  await browser.close();
-}
-process.exit(0);
+});

@@ -1,12 +1,20 @@
 //! The page in a real browser, and its types. Both go where there are node and the packages that `./test` installs; with `CI` set they have to.
 
+use rockfall_cache::{
+    BodyTable, Contents, FORMAT, Frame, Poses, RunFolder, RunWriter, SUMMARY, Status, Summary, VERSION,
+};
+use rockfall_math::DVec3;
+use rockfall_scene::{Running, Scene};
 use rockfall_view::{Door, Options, Server, Source};
 use std::env;
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::net::IpAddr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+
+/// Frames of a run, the start not counted.
+const FRAMES: u64 = 90;
 
 const SCENE: &str = r#"
 [shapes]
@@ -55,26 +63,23 @@ fn which(name: &str) -> String {
     found.map_or_else(|| name.to_owned(), |path| path.display().to_string())
 }
 
-fn serve(scene: &Path, host: IpAddr, port: u16) -> Server {
-    let saves = scene.with_file_name("saved");
-    let door = Door::open(&Options { host, port, saves }).unwrap();
-    door.serve(Source::scene(scene, 1).unwrap()).unwrap()
+fn serve(source: Source, folder: &Path, host: IpAddr, port: u16) -> Server {
+    let door = Door::open(&Options { host, port, saves: folder.join("saved") }).unwrap();
+    door.serve(source).unwrap()
 }
 
-#[test]
-fn the_page_works_in_a_browser() {
-    let Some(playwright) = given("ROCKFALL_PLAYWRIGHT", "playwright-core of npm") else { return };
-    let Some(chromium) = browser() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("cubes.toml");
-    fs::write(&scene, SCENE).unwrap();
-    let host = Options::default().host;
-    let mut server = Some(serve(&scene, host, 0));
-    let (url, port) =
-        server.as_ref().map(|server| (server.url().to_owned(), server.address().port())).unwrap();
+/// What it takes to drive a browser, where that is there: the package and the program.
+fn driver() -> Option<[String; 2]> {
+    let playwright = given("ROCKFALL_PLAYWRIGHT", "playwright-core of npm")?;
+    Some([playwright, which(&browser()?)])
+}
+
+/// Has a script drive the page at `url`; `answer` says what it asks for.
+fn drive(driver: [String; 2], script: &str, url: &str, mut answer: impl FnMut(&str) -> String) {
     let mut script = Command::new("node")
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/page.mjs"))
-        .args([playwright, which(&chromium), url])
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script))
+        .args(driver)
+        .arg(url)
         .args(env::var_os("ROCKFALL_SHOTS"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -82,21 +87,121 @@ fn the_page_works_in_a_browser() {
         .unwrap();
     let (mut answers, asked) = (script.stdin.take().unwrap(), script.stdout.take().unwrap());
     for line in BufReader::new(asked).lines() {
-        let answer = match line.unwrap().as_str() {
-            "stop" => {
-                server = None;
-                "stopped"
-            }
-            "start" => {
-                server = Some(serve(&scene, host, port));
-                "started"
-            }
-            other => panic!("the script asks for {other}"),
-        };
-        writeln!(answers, "{answer}").unwrap();
+        writeln!(answers, "{}", answer(&line.unwrap())).unwrap();
     }
     assert!(script.wait().unwrap().success(), "what went wrong is above");
-    drop(server);
+}
+
+#[test]
+fn the_page_works_in_a_browser() {
+    let Some(driver) = driver() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("cubes.toml");
+    fs::write(&scene, SCENE).unwrap();
+    let host = Options::default().host;
+    let start = |port| serve(Source::scene(&scene, 1).unwrap(), folder.path(), host, port);
+    let mut server = Some(start(0));
+    let (url, port) =
+        server.as_ref().map(|server| (server.url().to_owned(), server.address().port())).unwrap();
+    drive(driver, "page.mjs", &url, |asked| match asked {
+        "stop" => {
+            server = None;
+            "stopped".to_owned()
+        }
+        "start" => {
+            server = Some(start(port));
+            "started".to_owned()
+        }
+        other => panic!("the script asks for {other}"),
+    });
+}
+
+/// Writes a run of the scene, some frames at a time.
+struct Recorder {
+    path: PathBuf,
+    running: Running,
+    table: BodyTable,
+    summary: Summary,
+    writer: RunWriter,
+    frame: u64,
+}
+
+impl Recorder {
+    fn new(path: PathBuf) -> Self {
+        let scene = Scene::parse(SCENE, "cubes.toml", ".").unwrap();
+        let running = scene.build().unwrap();
+        let rows = running.body_table();
+        let table = BodyTable {
+            ids: rows.iter().map(|row| row.id).collect(),
+            names: rows.iter().map(|row| row.name.clone().unwrap_or_default()).collect(),
+            shapes: rows.iter().map(|row| row.shape as u32).collect(),
+            scales: rows.iter().map(|row| row.scale).collect(),
+        };
+        let summary = Summary {
+            format: FORMAT.into(),
+            format_version: VERSION,
+            status: Status::Running,
+            frames_per_second: 60.0,
+            frames_planned: FRAMES,
+            bodies: table.len(),
+            ..Summary::default()
+        };
+        let folder = RunFolder::at(&path, false).unwrap();
+        let text = scene.to_toml_filled();
+        let writer = RunWriter::create(&folder, &text, &summary, &table, Contents::default()).unwrap();
+        let mut recorder = Recorder { path, running, table, summary, writer, frame: 0 };
+        recorder.push();
+        recorder
+    }
+
+    fn push(&mut self) {
+        let (world, mut poses) = (&self.running.world, Poses::default());
+        poses.gather(&self.table, DVec3::ZERO, &world.ids(), &world.poses()).unwrap();
+        let report = (self.frame > 0).then(|| world.report().clone());
+        let time = self.frame as f64 / 60.0;
+        self.writer.push(Frame { time, poses, report, ..Frame::default() }).unwrap();
+    }
+
+    /// Goes on to a frame. All are on the disk then, for those who look on.
+    fn go(&mut self, frame: u64) -> String {
+        while self.frame < frame {
+            self.running.before_step(self.frame).unwrap();
+            self.running.world.step();
+            self.frame += 1;
+            self.push();
+        }
+        self.writer.sync().unwrap();
+        self.frame.to_string()
+    }
+
+    fn finish(mut self) -> String {
+        let last = self.go(FRAMES);
+        self.writer.finish().unwrap();
+        Summary { status: Status::Finished, ..self.summary }.write(&self.path.join(SUMMARY)).unwrap();
+        last
+    }
+}
+
+#[test]
+fn runs_are_played_and_followed_in_a_browser() {
+    let Some(driver) = driver() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let host = Options::default().host;
+    let show = |path: &Path| serve(Source::run(path).unwrap(), folder.path(), host, 0);
+    Recorder::new(path("whole")).finish();
+    let whole = show(&path("whole"));
+    let (mut recorder, mut growing) = (None, None);
+    drive(driver, "run.mjs", whole.url(), |asked| match asked {
+        "grow" => {
+            let recorder = recorder.insert(Recorder::new(path("growing")));
+            recorder.go(20);
+            growing.insert(show(&path("growing"))).url().to_owned()
+        }
+        "more" => recorder.as_mut().map(|recorder| recorder.go(recorder.frame + 20)).unwrap(),
+        "finish" => recorder.take().map(Recorder::finish).unwrap(),
+        other => panic!("the script asks for {other}"),
+    });
 }
 
 #[test]

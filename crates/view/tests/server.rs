@@ -38,9 +38,13 @@ impl Place {
     }
 
     fn with(options: Options) -> Self {
+        Self::of(SCENE, options)
+    }
+
+    fn of(scene: &str, options: Options) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cubes.toml");
-        fs::write(&path, SCENE).unwrap();
+        fs::write(&path, scene).unwrap();
         let door = Door::open(&Options { saves: folder.path().join("saved"), ..options }).unwrap();
         let server = door.serve(Source::scene(&path, 1).unwrap()).unwrap();
         Place { server, folder }
@@ -73,6 +77,8 @@ struct Viewer {
     /// Texts by what they are.
     heard: Vec<Value>,
     moments: usize,
+    /// Bytes of moments, and records in them.
+    read: [usize; 2],
     /// Whether it tells the server what it has read.
     polite: bool,
 }
@@ -102,6 +108,7 @@ impl Viewer {
             step: 0.0,
             heard: Vec::new(),
             moments: 0,
+            read: [0; 2],
             polite: true,
         })
     }
@@ -155,6 +162,7 @@ impl Viewer {
                     }
                 }
                 self.moments += 1;
+                self.read = [self.read[0] + bytes.len(), self.read[1] + count];
                 if self.polite {
                     self.socket.send(Message::binary(bytes[4..8].to_vec())).unwrap();
                 }
@@ -271,6 +279,53 @@ fn hands_reach_the_simulation_and_what_is_asked_is_told() {
         let said = viewer.last("error").unwrap()["text"].as_str().unwrap();
         assert!(said.contains(expected), "{said}");
     }
+}
+
+/// Places and sleep are kept of what has been; what is not is told to be unknown, and what does not change is known.
+#[test]
+fn a_body_in_the_past_is_told_of_as_far_as_it_was_kept() {
+    let place = Place::open();
+    let mut viewer = place.viewer();
+    viewer.say(json!({"do": "show", "color": "body", "overlays": [], "pick": 60}));
+    viewer.until("fall", |v| v.frame > 40);
+    viewer.say(json!({"do": "play", "on": false}));
+    viewer.until("rest", |v| v.status("playing") == false);
+    let last = viewer.status("last").as_u64().unwrap();
+    viewer.say(json!({"do": "seek", "frame": 7}));
+    viewer.until("past", |v| v.frame == 7 && v.last("picked").is_some_and(|told| told["past"] == 7));
+    let told = viewer.last("picked").unwrap().clone();
+    assert_eq!((&told["id"], &told["shape"], &told["mass"]), (&json!("61"), &json!("box"), &json!(2600.0)));
+    assert_eq!(told["asleep"], false);
+    for key in ["velocity", "spin", "force", "center", "contacts", "contact_count"] {
+        assert!(told[key].is_null(), "{key} of the past: {}", told[key]);
+    }
+    let hello = viewer.last("hello").unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    for (axis, at) in viewer.place(60).into_iter().enumerate() {
+        let there = number(&told["position"][axis]) - number(&hello["origin"][axis]);
+        assert!((there - f64::from(at)).abs() < 1e-6, "{there} and {at}");
+    }
+    viewer.say(json!({"do": "seek", "frame": last}));
+    viewer.until("present", |v| {
+        v.last("picked").is_some_and(|told| told["velocity"].is_array() && told["past"].is_null())
+    });
+}
+
+/// What twenty thousand boxes in free fall, none of which rests, cost on their way to a page.
+#[test]
+fn twenty_thousand_bodies_on_their_way_take_at_most_16_bytes_each_and_frame() {
+    let scene = SCENE.replace("[5, 5, 5]", "[25, 25, 32]").replace("[0, 0, 1]", "[0, 0, 100]");
+    let place = Place::of(&scene, Options::default());
+    let mut viewer = place.viewer();
+    viewer.until("moments", |v| v.moments > 6);
+    let [bytes, records] = viewer.read;
+    assert!(records > 6 * 19_000, "{records} records");
+    let each = bytes as f64 / records as f64;
+    println!(
+        "{each:.2} bytes for each of 20,000 bodies that move, and frame, over {} moments",
+        viewer.moments
+    );
+    assert!(each <= 16.0, "{each}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
         rows.iter().partition(|&&row| inventory.kinds[row as usize] == Kind::Static);
     let frames = job.frames().len();
     check(moving.len(), frames)?;
-    let prototypes = Prototypes::of(run, rows)?;
+    let prototypes = Prototypes::of(run, rows, &inventory.shown_of)?;
     let failed = |error: io::Error| Error::io("write", to, &error);
     let folder = to.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut tracks = Tracks::new(folder, &moving, frames).map_err(failed)?;
@@ -83,7 +83,7 @@ fn place(
     (position, rotation): (&[f32; 3], &[f32; 4]),
 ) -> Option<usize> {
     let look = look(inventory, row);
-    let mesh = document.mesh(look, inventory, prototypes.get(look.0)?);
+    let mesh = document.mesh(look, inventory, prototypes.get(look.shown)?);
     let (id, name) = (run.bodies().ids[row as usize], &run.bodies().names[row as usize]);
     let name = if name.is_empty() { format!("body {id}") } else { name.clone() };
     Some(document.node(json!({

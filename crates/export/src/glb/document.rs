@@ -1,21 +1,43 @@
 //! A glTF document that grows: its parts as JSON, and the numbers that they refer to.
 
-use crate::{Error, Inventory, Run, Surface, color};
+use crate::{Error, Inventory, Run, Surface};
 use bytemuck::NoUninit;
-use rockfall::Kind;
+use rockfall::{Kind, Shape};
+use rockfall_scene::Color;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::Path;
 
-/// What a body looks like: its shape, its material, and whether it is one that nobody moves.
-pub(super) type Look = (u32, u32, bool);
+/// What a body looks like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Look {
+    /// What is seen of it, an index into the shapes.
+    pub(super) shown: u32,
+    pub(super) paint: Paint,
+}
+
+/// What a surface is painted with: a material of glTF.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Paint {
+    /// The scene's material.
+    pub(super) material: u32,
+    /// Whether nobody moves it.
+    fixed: bool,
+    /// A colour of its own.
+    own: Option<Color>,
+    /// Whether it has holes through which its other side is seen.
+    open: bool,
+}
 
 /// The look of a body.
 pub(super) fn look(inventory: &Inventory, row: u32) -> Look {
     let row = row as usize;
-    (inventory.shape_of[row], inventory.material_of[row], inventory.kinds[row] == Kind::Static)
+    let shown = inventory.shown_of[row];
+    let open = matches!(&inventory.shapes[shown as usize], Shape::Mesh(mesh) if !mesh.closed);
+    let (material, own) = (inventory.material_of[row], inventory.color_of[row]);
+    Look { shown, paint: Paint { material, fixed: inventory.kinds[row] == Kind::Static, own, open } }
 }
 
 /// glTF's numbers for the types of components.
@@ -47,7 +69,7 @@ pub(super) struct Document {
     nodes: Vec<Value>,
     animation: Option<Value>,
     extension: Option<&'static str>,
-    known_materials: BTreeMap<(u32, bool), usize>,
+    known_materials: BTreeMap<Paint, usize>,
     known_meshes: BTreeMap<Look, usize>,
 }
 
@@ -117,7 +139,6 @@ impl Document {
         if let Some(&mesh) = self.known_meshes.get(&look) {
             return mesh;
         }
-        let (shape, material, fixed) = look;
         let (low, high) = surface
             .positions
             .iter()
@@ -141,9 +162,9 @@ impl Document {
         } else {
             self.add(Component::U32, "SCALAR", corners, Some(Target::Triangles))
         };
-        let material = self.material(material, fixed, inventory);
+        let material = self.material(look.paint, inventory);
         let mesh = json!({
-            "name": format!("shape {shape}"),
+            "name": format!("shape {}", look.shown),
             "primitives": [{ "attributes": attributes, "indices": indices, "material": material }],
         });
         let mesh = push(&mut self.meshes, mesh);
@@ -151,20 +172,22 @@ impl Document {
         mesh
     }
 
-    fn material(&mut self, material: u32, fixed: bool, inventory: &Inventory) -> usize {
-        if let Some(&known) = self.known_materials.get(&(material, fixed)) {
+    fn material(&mut self, paint: Paint, inventory: &Inventory) -> usize {
+        if let Some(&known) = self.known_materials.get(&paint) {
             return known;
         }
-        let [r, g, b] = color(material, if fixed { Kind::Static } else { Kind::Dynamic });
+        let Paint { material, fixed, own, open } = paint;
+        let kind = if fixed { Kind::Static } else { Kind::Dynamic };
+        let [r, g, b] = inventory.color(own, material, kind);
         let name = &inventory.materials[material as usize];
         // Ground is often a surface without another side.
         let described = json!({
             "name": if fixed { format!("{name}, static") } else { name.clone() },
-            "doubleSided": fixed,
+            "doubleSided": fixed || open,
             "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
         });
         let index = push(&mut self.materials, described);
-        self.known_materials.insert((material, fixed), index);
+        self.known_materials.insert(paint, index);
         index
     }
 

@@ -13,7 +13,7 @@ const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// Writes the bodies `rows` at the only frame of the job.
 pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error> {
     let (run, inventory) = (job.run(), job.inventory()?);
-    let prototypes = Prototypes::of(run, rows)?;
+    let prototypes = Prototypes::of(run, rows, &inventory.shown_of)?;
     job.stream(rows, Detail::Poses, Ok, |moment: Moment| {
         let mut alike: BTreeMap<Look, Vec<usize>> = BTreeMap::new();
         for (k, &row) in moment.rows.iter().enumerate() {
@@ -21,7 +21,7 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
         }
         let mut document = Document::default();
         for (look, bodies) in alike {
-            let Some(surface) = prototypes.get(look.0) else { continue };
+            let Some(surface) = prototypes.get(look.shown) else { continue };
             let mesh = document.mesh(look, inventory, surface);
             let positions: Vec<[f32; 3]> = bodies.iter().map(|&k| moment.positions[k]).collect();
             let rotations: Vec<[f32; 4]> = bodies.iter().map(|&k| moment.rotations[k]).collect();
@@ -34,7 +34,8 @@ pub(super) fn write(job: &Job<'_>, rows: &[u32], to: &Path) -> Result<(), Error>
             if let Ok(ids) = ids.map(u32::try_from).collect::<Result<Vec<u32>, _>>() {
                 attributes["_ID"] = json!(document.numbers(Component::U32, "SCALAR", &ids));
             }
-            let name = format!("shape {} of {}", look.0, inventory.materials[look.1 as usize]);
+            let name =
+                format!("shape {} of {}", look.shown, inventory.materials[look.paint.material as usize]);
             document.node(json!({
                 "name": name, "mesh": mesh, "extensions": { INSTANCING: { "attributes": attributes } },
             }));

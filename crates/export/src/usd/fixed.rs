@@ -29,9 +29,9 @@ type Key = (u32, look::Key);
 pub(super) fn of(job: &Job<'_>, looks: &Looks) -> Result<Prim, Error> {
     let (run, inventory) = (job.run(), job.inventory()?);
     let rows = inventory.fixed();
-    let surfaces = Prototypes::of(run, &rows)?;
+    let surfaces = Prototypes::of(run, &rows, &inventory.shown_of)?;
     let still = job.at(job.frames()[0], &rows)?;
-    let key = |row: u32| (inventory.shape_of[row as usize], look::of(inventory, row));
+    let key = |row: u32| (inventory.shown_of[row as usize], look::of(inventory, row));
     let name = |row: u32| &run.bodies().names[row as usize];
     let mut alike: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
     for (k, &row) in still.rows.iter().enumerate().filter(|(_, row)| name(**row).is_empty()) {
@@ -46,7 +46,7 @@ pub(super) fn of(job: &Job<'_>, looks: &Looks) -> Result<Prim, Error> {
     }
     for (k, &row) in still.rows.iter().enumerate() {
         let is_instance = name(row).is_empty() && alike.contains_key(&key(row));
-        let Some(surface) = surfaces.get(inventory.shape_of[row as usize]).filter(|_| !is_instance) else {
+        let Some(surface) = surfaces.get(inventory.shown_of[row as usize]).filter(|_| !is_instance) else {
             continue;
         };
         let id = run.bodies().ids[row as usize];
@@ -75,7 +75,7 @@ fn instancer(
     for (&(shape, look), bodies) in alike {
         let Some(surface) = surfaces.get(shape) else { continue };
         let index = targets.len() as i32;
-        let prototype = format!("Shape_{shape}_{}", look.0);
+        let prototype = look::prototype(shape, look);
         targets.push(format!("{path}/{prototype}"));
         prototypes = prototypes.child(looks.dress(mesh::of(prototype, surface), look));
         let reach = surface.positions.iter().map(|p| p.length()).fold(0.0, f32::max);

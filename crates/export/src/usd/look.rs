@@ -2,25 +2,37 @@
 
 use super::names::Names;
 use super::stage::LOOKS;
-use crate::{Inventory, color};
+use crate::Inventory;
 use rockfall::Kind;
+use rockfall_scene::Color;
 use rockfall_usd::{Array, Attribute, Prim, Relationship, Value};
 use std::collections::BTreeMap;
 
 /// How dull stone is.
 const ROUGHNESS: f32 = 0.8;
 
-/// A look: a material of the scene, and whether its bodies are static, which have a paler colour.
-pub(super) type Key = (u32, bool);
+/// A look: a material of the scene, whether its bodies are static, which may have a paler colour, and a colour of their own.
+pub(super) type Key = (u32, bool, Option<Color>);
 
 /// The look of a body.
 pub(super) fn of(inventory: &Inventory, row: u32) -> Key {
-    (inventory.material_of[row as usize], inventory.kinds[row as usize] == Kind::Static)
+    let row = row as usize;
+    (inventory.material_of[row], inventory.kinds[row] == Kind::Static, inventory.color_of[row])
 }
 
-/// All looks that are in use.
+/// The name of a mesh in a look.
+pub(super) fn prototype(shape: u32, look: Key) -> String {
+    format!("Shape_{shape}_{}{}", look.0, suffix(look.2))
+}
+
+/// What tells looks of one material apart.
+fn suffix(color: Option<Color>) -> String {
+    color.map(|[r, g, b]| format!("_{r:02x}{g:02x}{b:02x}")).unwrap_or_default()
+}
+
+/// All looks that are in use, with their names and colours.
 pub(super) struct Looks {
-    names: BTreeMap<Key, String>,
+    known: BTreeMap<Key, (String, [f32; 3])>,
 }
 
 impl Looks {
@@ -29,17 +41,21 @@ impl Looks {
         for row in 0..inventory.kinds.len() as u32 {
             let key = of(inventory, row);
             looks.entry(key).or_insert_with(|| {
-                let name = &inventory.materials[key.0 as usize];
-                names.choose(&if key.1 { format!("{name}_static") } else { name.clone() })
+                let (material, is_static, own) = key;
+                let (name, kind) = (&inventory.materials[material as usize], inventory.kinds[row as usize]);
+                let tail = if is_static { "_static" } else { "" };
+                let name = names.choose(&format!("{name}{tail}{}", suffix(own)));
+                (name, inventory.color(own, material, kind))
             });
         }
-        Looks { names: looks }
+        Looks { known: looks }
     }
 
     /// Gives a mesh the colour and the material of a look.
     pub(super) fn dress(&self, mesh: Prim, key: Key) -> Prim {
-        let binding = format!("{LOOKS}/{}", self.names[&key]);
-        let colors = Value::Array(Array::Float3(vec![rgb(key)]));
+        let (name, rgb) = &self.known[&key];
+        let binding = format!("{LOOKS}/{name}");
+        let colors = Value::Array(Array::Float3(vec![*rgb]));
         let color = Attribute::new("color3f[]", "primvars:displayColor", colors);
         mesh.meta("apiSchemas", super::stage::schemas(&["MaterialBindingAPI"]))
             .with(color.meta("interpolation", Value::Token("constant".into())))
@@ -48,10 +64,10 @@ impl Looks {
 
     /// The materials.
     pub(super) fn scope(&self) -> Prim {
-        let material = |(key, name): (&Key, &String)| {
+        let material = |(name, rgb): &(String, [f32; 3])| {
             let shader = Prim::def("Shader", "Surface")
                 .with(Attribute::uniform("token", "info:id", Value::Token("UsdPreviewSurface".into())))
-                .with(Attribute::new("color3f", "inputs:diffuseColor", Value::Float3(rgb(*key))))
+                .with(Attribute::new("color3f", "inputs:diffuseColor", Value::Float3(*rgb)))
                 .with(Attribute::new("float", "inputs:roughness", Value::Float(ROUGHNESS)))
                 .with(Attribute::sampled("token", "outputs:surface"));
             let surface = format!("{LOOKS}/{name}/Surface.outputs:surface");
@@ -60,10 +76,6 @@ impl Looks {
                 .child(shader)
         };
         let scope = Prim::def("Scope", "Looks");
-        Prim { children: self.names.iter().map(material).collect(), ..scope }
+        Prim { children: self.known.values().map(material).collect(), ..scope }
     }
-}
-
-fn rgb((material, is_static): Key) -> [f32; 3] {
-    color(material, if is_static { Kind::Static } else { Kind::Dynamic })
 }

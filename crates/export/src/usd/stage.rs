@@ -36,13 +36,13 @@ impl Stage {
         let looks = Looks::of(inventory);
 
         // A prototype for each shape in each look, in the order of the shapes.
-        let key = |row: &u32| (inventory.shape_of[*row as usize], look::of(inventory, *row));
+        let key = |row: &u32| (inventory.shown_of[*row as usize], look::of(inventory, *row));
         let mut numbers: BTreeMap<(u32, look::Key), i32> = rows.iter().map(|row| (key(row), 0)).collect();
         (0..).zip(numbers.values_mut()).for_each(|(k, number)| *number = k);
         let mut prototypes = Prim::def("Scope", "Prototypes");
         for &(shape, look) in numbers.keys() {
             let Some(surface) = surfaces.get(shape) else { continue };
-            let name = format!("Shape_{shape}_{}", look.0);
+            let name = look::prototype(shape, look);
             prototypes = prototypes.child(looks.dress(mesh::of(name, surface), look));
         }
         let targets = prototypes.children.iter().map(|p| format!("{BODIES}/Prototypes/{}", p.name)).collect();

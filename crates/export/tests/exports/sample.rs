@@ -76,6 +76,9 @@ angular_velocity = [2, -1, 4]
 region = { min = [{from}, -2, 1], max = [{to}, 2, 3] }
 "#;
 
+/// A mesh, as the scene finds it.
+pub(crate) const HARE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/meshes/hare.obj");
+
 /// Frames of the run, the start included.
 pub(crate) const FRAMES: u64 = 21;
 
@@ -113,6 +116,17 @@ impl Sample {
         let crowd: String = (0..80).map(body).collect();
         let named = crowd.replacen("id = 6003\n", "id = 6003\nname = \"Instances\"\n", 1);
         Self::of(&format!("{SCENE}{}", named.replacen("\"pebble\"", "\"cone\"", 1)), away, frames, false)
+    }
+
+    /// The same with colours of a material, of shapes and of the body 5000, which is seen as the mesh [`HARE`].
+    pub(crate) fn with_looks() -> Self {
+        let looks =
+            format!("id = 5000\ncolor = \"#ff8001\"\nvisual = {{ file = \"{HARE}\", scale = 0.4 }}\n");
+        let scene = SCENE
+            .replace("id = 5000\n", &looks)
+            .replace("density = 7800", "density = 7800\ncolor = \"#30404C\"")
+            .replace("kind = \"rounded-box\",", "kind = \"rounded-box\", color = \"#00ff80\",");
+        Self::of(&scene, 0.0, FRAMES, false)
     }
 
     fn of(scene: &str, away: f64, frames: u64, full: bool) -> Self {

@@ -1,8 +1,8 @@
 //! OpenUSD and Blender open exports, and compare every pose with the trajectory.
 
 use crate::python::{blender, python};
-use crate::sample::{Counter, FRAMES, Sample};
-use rockfall_export::{Frames, Options, Usd, export};
+use crate::sample::{Counter, FRAMES, HARE, Sample};
+use rockfall_export::{Frames, Glb, Options, Usd, export};
 use std::ffi::OsString;
 
 /// The run `away` metres from the world's origin, its export, the numbers of the frames and what the script has to know.
@@ -40,6 +40,18 @@ fn openusd_evaluates_every_pose() {
             assert_eq!(said, format!("{frames} frames of 65 bodies are equal"), "{usd:?}");
         }
     }
+}
+
+/// Promise: colours and visual meshes of the scene are in USD and glTF.
+#[test]
+fn bodies_look_as_the_scene_says() {
+    let sample = Sample::with_looks();
+    let last = (FRAMES - 1).to_string();
+    sample.export(&Usd::default(), "", "out.usdc").unwrap();
+    sample.export(&Glb::default(), &last, "out.glb").unwrap();
+    let arguments = [sample.path("out.usdc"), sample.path("out.glb"), HARE.into()];
+    let Some(said) = python("read_looks.py", &arguments) else { return };
+    assert_eq!(said, "looks are those of the scene");
 }
 
 #[test]

@@ -53,6 +53,8 @@ mod tests {
         let body = |id: u64, kind| Seen {
             id,
             shape: 0,
+            shown: 0,
+            color: None,
             material: 0,
             kind,
             pose: Pose::default(),

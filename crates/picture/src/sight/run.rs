@@ -4,7 +4,7 @@ use super::{Known, Seen, Sight, world};
 use crate::Error;
 use rockfall::BodyId;
 use rockfall_cache::{Contacts, Values, mean_velocities};
-use rockfall_export::{Inventory, Run};
+use rockfall_export::{Inventory, Run, linear};
 use rockfall_math::{Pose, Vec3, rotation::rotate};
 
 /// The frames of a run.
@@ -49,6 +49,7 @@ impl<'a> Recorded<'a> {
             step: if run.frames() > 1 { time(1) - time(0) } else { 0.0 },
             shapes: inventory.shapes.clone(),
             materials: inventory.materials.clone(),
+            colors: inventory.colors.iter().map(|color| color.map(linear)).collect(),
             origin: run.origin(),
             ..Sight::default()
         };
@@ -76,6 +77,8 @@ impl<'a> Recorded<'a> {
             sight.bodies.push(Seen {
                 id,
                 shape: inventory.shape_of[row],
+                shown: inventory.shown_of[row],
+                color: inventory.color_of[row].map(linear),
                 material: inventory.material_of[row],
                 kind: inventory.kinds[row],
                 pose: Pose { position, rotation },

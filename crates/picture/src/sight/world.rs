@@ -1,8 +1,9 @@
 //! A world that is being simulated.
 
 use super::{Seen, Sight};
-use rockfall::{BodyId, Shape};
+use rockfall::BodyId;
 use rockfall_cache::{Contacts, WantedContacts};
+use rockfall_export::linear;
 use rockfall_math::DVec3;
 use rockfall_scene::{BodyRow, Running, Scene};
 use std::collections::BTreeMap;
@@ -17,6 +18,7 @@ impl Sight {
             world.row_ids().iter().copied().zip(world.centers_of_mass().iter().copied()).collect();
         let (poses, shapes, kinds) = (world.poses(), world.shapes_of_bodies(), world.kinds());
         let (velocities, sleeping) = (world.velocities(), world.sleeping());
+        let first_visual = world.shapes().len() as u32;
         let origin = poses.first().map_or(DVec3::ZERO, |pose| pose.position);
         let contacts = WantedContacts::ALL.gather(world, origin, frame);
         let of_all = forces(&ids, &contacts);
@@ -24,7 +26,9 @@ impl Sight {
             frame,
             time: frame as f64 / f64::from(world.settings().rate),
             step: 1.0 / f64::from(world.settings().rate),
+            shapes: world.shapes().iter().chain(running.visuals()).cloned().collect(),
             materials: scene.materials(),
+            colors: running.colors().iter().map(|color| color.map(linear)).collect(),
             origin,
             ..Sight::default()
         };
@@ -32,19 +36,12 @@ impl Sight {
         for (k, id) in ids.iter().enumerate() {
             let Some(row) = rows.get(&id.0).filter(|row| !row.sensor) else { continue };
             let shape = shapes[k].index();
-            // What no body has yet is nothing to see; a ball keeps its place.
-            if sight.shapes.len() <= shape {
-                sight.shapes.resize(shape + 1, Shape::Sphere { radius: 0.0 });
-            }
-            if matches!(sight.shapes[shape], Shape::Sphere { radius: 0.0 })
-                && let Ok(known) = world.shape(*id)
-            {
-                sight.shapes[shape] = known.clone();
-            }
             let center = centers.get(&id.0).copied().filter(|_| kinds[k] == rockfall::Kind::Dynamic);
             sight.bodies.push(Seen {
                 id: id.0,
                 shape: shape as u32,
+                shown: row.look.visual.map_or(shape as u32, |visual| first_visual + visual),
+                color: row.look.color.map(linear),
                 material: row.material as u32,
                 kind: kinds[k],
                 pose: poses[k],

@@ -2,7 +2,7 @@
 
 use rockfall_math::{DVec3, Pose, Quat, Vec2, Vec3, rotation};
 use rockfall_shape::{Compound, Field, FieldSettings, HeightField, Hull, Mesh, Shape};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A turn that leaves no axis where it was.
 pub(crate) fn turned(k: u32) -> Quat {
@@ -10,8 +10,13 @@ pub(crate) fn turned(k: u32) -> Quat {
     rotation::normalize(Quat::from_xyzw(x(0), x(1), x(2), 0.4 + x(3)))
 }
 
-/// One of each kind, about as large as a ball of radius 1, but for the half-space.
+/// One of each kind, about as large as a ball of radius 1, but for the half-space; and a compound of hulls, as a decomposition is.
 pub(crate) fn shapes() -> Vec<Shape> {
+    static SHAPES: OnceLock<Vec<Shape>> = OnceLock::new();
+    SHAPES.get_or_init(cook).clone()
+}
+
+fn cook() -> Vec<Shape> {
     let top = [Vec3::new(0.0, 0.0, 1.2), Vec3::new(0.4, 0.3, 1.0)];
     let ring = (0..6_u32).map(|k| {
         let [x, y] =
@@ -46,7 +51,27 @@ pub(crate) fn shapes() -> Vec<Shape> {
             HeightField::new(9, 7, Vec2::splat(0.3), heights).expect("a height field"),
         )),
         Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 },
+        Shape::Compound(Arc::new(Compound::new(wedges()).expect("a compound"))),
     ]
+}
+
+/// A ring of five hulls that lie against each other.
+fn wedges() -> Vec<(Shape, Pose)> {
+    let rim = |k: usize, radius: f32| {
+        let [x, y] = [
+            [1.0, 0.0],
+            [0.309_017, 0.951_057],
+            [-0.809_017, 0.587_785],
+            [-0.809_017, -0.587_785],
+            [0.309_017, -0.951_057],
+        ][k % 5];
+        [-0.4, 0.4].map(|z| Vec3::new(radius * x, radius * y, z))
+    };
+    let wedge = |k: usize| {
+        let points = [rim(k, 1.0), rim(k + 1, 1.0), rim(k, 0.4), rim(k + 1, 0.4)].concat();
+        (Shape::Hull(Arc::new(Hull::from_points(&points).expect("a hull"))), Pose::default())
+    };
+    (0..5).map(wedge).collect()
 }
 
 /// A closed cup: a line turned about z, outer wall and inner wall.

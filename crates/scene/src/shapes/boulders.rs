@@ -12,6 +12,7 @@ use crate::node::Table;
 use crate::random::Random;
 use crate::sizes::{DISTRIBUTION, Sizes};
 use crate::spec::{POSITIVE, Range, SHARE, Spec, Ty, key};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_math::{DVec3, Vec3};
 use rockfall_shape::Hull;
@@ -48,6 +49,7 @@ distribution = "power-law"
             key("cuts", Ty::Int(0, 16), "3", "Planes that cut a piece off."),
         ],
         DISTRIBUTION,
+        LOOK,
     ],
 };
 

@@ -5,6 +5,7 @@ use crate::error::Problem;
 use crate::node::Table;
 use crate::random::Random;
 use crate::spec::{POSITIVE, Spec, Ty, key, required};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_math::DVec3;
 
@@ -17,11 +18,14 @@ kind = "boxes"
 min = [0.3, 0.3, 0.1]
 max = [0.8, 0.6, 0.5]
 "#,
-    groups: &[&[
-        key("count", Ty::Int(1, 4096), "64", "Boxes in the family."),
-        required("min", Ty::Numbers(&[3], POSITIVE), "Shortest edges along x, y, z, m."),
-        required("max", Ty::Numbers(&[3], POSITIVE), "Longest edges along x, y, z, m."),
-    ]],
+    groups: &[
+        &[
+            key("count", Ty::Int(1, 4096), "64", "Boxes in the family."),
+            required("min", Ty::Numbers(&[3], POSITIVE), "Shortest edges along x, y, z, m."),
+            required("max", Ty::Numbers(&[3], POSITIVE), "Longest edges along x, y, z, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static BOXES: ShapeKind = ShapeKind {

@@ -5,6 +5,7 @@ use crate::body;
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{ANY, Spec, Ty, key, required};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_shape::Compound;
 use std::collections::BTreeMap;
@@ -28,7 +29,10 @@ length = 0.8
 kind = "compound"
 parts = [{ shape = "head", position = [0, 0, 0.4] }, { shape = "handle" }]
 "#,
-    groups: &[&[required("parts", Ty::List(&Ty::Table(&PART)), "At least one. Each is a table, see below.")]],
+    groups: &[
+        &[required("parts", Ty::List(&Ty::Table(&PART)), "At least one. Each is a table, see below.")],
+        LOOK,
+    ],
 };
 
 pub(crate) static PART: Spec = Spec {

@@ -5,6 +5,7 @@ use super::{Cook, ShapeKind, failed, one};
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{SHARE, Spec, Ty, key};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_decompose::{Decomposition, Options, decompose};
 use std::sync::Arc;
@@ -51,6 +52,7 @@ max_hulls = 4
                 "Of each hull; those that stick out farthest are kept.",
             ),
         ],
+        LOOK,
     ],
 };
 

@@ -5,6 +5,7 @@ use super::{Cook, ShapeKind, failed, one};
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{POSITIVE, Spec, Ty, optional, required};
+use crate::visual::LOOK;
 use etcetera::BaseStrategy;
 use rockfall::Shape;
 use rockfall_shape::{Field, FieldSettings};
@@ -35,6 +36,7 @@ error = 0.0005
                  miss each other. Four times the error where it is not given.",
             ),
         ],
+        LOOK,
     ],
 };
 

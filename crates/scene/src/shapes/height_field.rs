@@ -5,6 +5,7 @@ use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{ANY, POSITIVE, Spec, Ty, optional};
 use crate::terrain::{self, TERRAIN};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_math::Vec2;
 use rockfall_shape::HeightField;
@@ -19,16 +20,19 @@ heights = [2, 1, 0, 2, 1, 0]
 columns = 3
 spacing = [5, 5]
 "#,
-    groups: &[&[
-        optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain. Either this or `heights`."),
-        optional(
-            "heights",
-            Ty::Numbers(&[], ANY),
-            "m, row by row, each row along x; with `columns` and `spacing`.",
-        ),
-        optional("columns", Ty::Int(2, 4097), "Samples in a row."),
-        optional("spacing", Ty::Numbers(&[2], POSITIVE), "Distance of samples along x and y, m."),
-    ]],
+    groups: &[
+        &[
+            optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain. Either this or `heights`."),
+            optional(
+                "heights",
+                Ty::Numbers(&[], ANY),
+                "m, row by row, each row along x; with `columns` and `spacing`.",
+            ),
+            optional("columns", Ty::Int(2, 4097), "Samples in a row."),
+            optional("spacing", Ty::Numbers(&[2], POSITIVE), "Distance of samples along x and y, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static HEIGHT_FIELD: ShapeKind = ShapeKind {

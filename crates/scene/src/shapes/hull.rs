@@ -4,6 +4,7 @@ use super::{ShapeKind, failed, one, only_one_of};
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_import::mesh_file;
 use rockfall_math::Vec3;
@@ -18,7 +19,7 @@ pub(super) static HULL_KEYS: Spec = Spec {
 kind = "hull"
 points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]]
 "#,
-    groups: &[&HULL_GROUP],
+    groups: &[&HULL_GROUP, LOOK],
 };
 
 /// What all hulls have.

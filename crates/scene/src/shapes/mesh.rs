@@ -5,6 +5,7 @@ use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{Key, POSITIVE, Spec, Ty, key, optional};
 use crate::terrain::{self, TERRAIN};
+use crate::visual::LOOK;
 use rockfall::Shape;
 use rockfall_import::mesh_file;
 use rockfall_math::Vec3;
@@ -21,7 +22,7 @@ kind = "mesh"
 file = "meshes/valley.obj"
 scale = 0.01 # the file is in centimetres
 "#,
-    groups: &[&MESH_GROUP, &[optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain.")]],
+    groups: &[&MESH_GROUP, &[optional("terrain", Ty::Table(&TERRAIN), "Procedural terrain.")], LOOK],
 };
 
 /// What all meshes have.

@@ -4,6 +4,7 @@ use super::{ShapeKind, nothing_to_check, one, small};
 use crate::error::Problem;
 use crate::node::Table;
 use crate::spec::{ANY, NOT_NEGATIVE, POSITIVE, Spec, Ty, key, required};
+use crate::visual::LOOK;
 use rockfall::Shape;
 
 pub(super) static SPHERE_KEYS: Spec = Spec {
@@ -13,7 +14,7 @@ pub(super) static SPHERE_KEYS: Spec = Spec {
 kind = "sphere"
 radius = 0.5
 "#,
-    groups: &[&[required("radius", Ty::Number(POSITIVE), "m.")]],
+    groups: &[&[required("radius", Ty::Number(POSITIVE), "m.")], LOOK],
 };
 
 pub(super) static SPHERE: ShapeKind = ShapeKind {
@@ -33,7 +34,7 @@ pub(super) static BOX_KEYS: Spec = Spec {
 kind = "box"
 size = [1, 0.6, 0.4]
 "#,
-    groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Edge lengths along x, y, z, m.")]],
+    groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Edge lengths along x, y, z, m.")], LOOK],
 };
 
 pub(super) static BOX: ShapeKind = ShapeKind {
@@ -54,10 +55,13 @@ kind = "capsule"
 radius = 0.2
 length = 1.5
 "#,
-    groups: &[&[
-        required("radius", Ty::Number(POSITIVE), "m."),
-        required("length", Ty::Number(NOT_NEGATIVE), "Of the cylinder, without the half balls, m."),
-    ]],
+    groups: &[
+        &[
+            required("radius", Ty::Number(POSITIVE), "m."),
+            required("length", Ty::Number(NOT_NEGATIVE), "Of the cylinder, without the half balls, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static CAPSULE: ShapeKind = ShapeKind {
@@ -81,10 +85,13 @@ kind = "cylinder"
 radius = 0.4
 length = 1
 "#,
-    groups: &[&[
-        required("radius", Ty::Number(POSITIVE), "m."),
-        required("length", Ty::Number(POSITIVE), "From end to end, m."),
-    ]],
+    groups: &[
+        &[
+            required("radius", Ty::Number(POSITIVE), "m."),
+            required("length", Ty::Number(POSITIVE), "From end to end, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static CYLINDER: ShapeKind = ShapeKind {
@@ -114,11 +121,14 @@ radius = 0.3
 top_radius = 0.4
 length = 0.6
 "#,
-    groups: &[&[
-        required("radius", Ty::Number(NOT_NEGATIVE), "Of the lower end, m."),
-        key("top_radius", Ty::Number(NOT_NEGATIVE), "0", "Of the upper end, m; 0 is a tip."),
-        required("length", Ty::Number(POSITIVE), "From end to end, m."),
-    ]],
+    groups: &[
+        &[
+            required("radius", Ty::Number(NOT_NEGATIVE), "Of the lower end, m."),
+            key("top_radius", Ty::Number(NOT_NEGATIVE), "0", "Of the upper end, m; 0 is a tip."),
+            required("length", Ty::Number(POSITIVE), "From end to end, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static CONE: ShapeKind = ShapeKind {
@@ -147,7 +157,7 @@ pub(super) static ELLIPSOID_KEYS: Spec = Spec {
 kind = "ellipsoid"
 size = [0.6, 0.4, 0.2]
 "#,
-    groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Diameters along x, y, z, m.")]],
+    groups: &[&[required("size", Ty::Numbers(&[3], POSITIVE), "Diameters along x, y, z, m.")], LOOK],
 };
 
 pub(super) static ELLIPSOID: ShapeKind = ShapeKind {
@@ -166,10 +176,18 @@ pub(super) static HALF_SPACE_KEYS: Spec = Spec {
     example: r#"[shapes.floor]
 kind = "half-space"
 "#,
-    groups: &[&[
-        key("normal", Ty::Numbers(&[3], ANY), "[0, 0, 1]", "Points out of the solid; any length but zero."),
-        key("offset", Ty::Number(ANY), "0", "Distance of the plane from the origin along the normal, m."),
-    ]],
+    groups: &[
+        &[
+            key(
+                "normal",
+                Ty::Numbers(&[3], ANY),
+                "[0, 0, 1]",
+                "Points out of the solid; any length but zero.",
+            ),
+            key("offset", Ty::Number(ANY), "0", "Distance of the plane from the origin along the normal, m."),
+        ],
+        LOOK,
+    ],
 };
 
 pub(super) static HALF_SPACE: ShapeKind = ShapeKind {

@@ -3,6 +3,7 @@
 use super::hull::{self, HULL_GROUP};
 use super::{ShapeKind, nothing_to_check, one, only_one_of, small};
 use crate::spec::{Key, POSITIVE, Spec, Ty, required};
+use crate::visual::LOOK;
 use rockfall::Shape;
 
 static RADIUS: [Key; 1] = [required(
@@ -22,6 +23,7 @@ radius = 0.1
     groups: &[
         &[required("size", Ty::Numbers(&[3], POSITIVE), "Edge lengths along x, y, z before it grows, m.")],
         &RADIUS,
+        LOOK,
     ],
 };
 
@@ -45,7 +47,7 @@ kind = "rounded-hull"
 points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]]
 radius = 0.1
 "#,
-    groups: &[&HULL_GROUP, &RADIUS],
+    groups: &[&HULL_GROUP, &RADIUS, LOOK],
 };
 
 pub(super) static ROUNDED_HULL: ShapeKind = ShapeKind {

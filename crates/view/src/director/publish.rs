@@ -118,7 +118,10 @@ impl Director {
             if let Some(row) = viewer.pick {
                 let value = match &sight {
                     Ok(sight) => told::told(source, sight, scenery, row),
-                    Err(error) => json!({"is": "picked", "row": row, "why": error.to_string()}),
+                    Err(error) => match &newest {
+                        Some(Ok(newest)) => told::told_of_past(source, newest, &moment, row),
+                        _ => json!({"is": "picked", "row": row, "why": error.to_string()}),
+                    },
                 };
                 outbox.tell_of_body(value.to_string().into());
             }

@@ -39,6 +39,8 @@ pub struct Body {
     pub moves: bool,
     /// Whether it is nothing to look at.
     pub hidden: bool,
+    /// Whether its mesh has holes through which one sees it from inside.
+    pub open: bool,
 }
 
 /// The message of meshes from number `first` on.
@@ -66,10 +68,10 @@ pub fn bodies(first: usize, rows: &[Body], anew: bool) -> Vec<u8> {
     put(&mut out, first as u32);
     put(&mut out, rows.len() as u32);
     put(&mut out, u32::from(anew));
-    for Body { mesh, scale, moves, hidden } in rows {
+    for Body { mesh, scale, moves, hidden, open } in rows {
         put(&mut out, *mesh);
         put_f32(&mut out, &scale.to_array());
-        put(&mut out, u32::from(*moves) | u32::from(*hidden) << 1);
+        put(&mut out, u32::from(*moves) | u32::from(*hidden) << 1 | u32::from(*open) << 2);
     }
     out
 }
