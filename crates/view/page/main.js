@@ -28,7 +28,9 @@ let dirty = true, placed = false, fresh = true;
 /** When the newest moment came, and how long after the one before it. */
 let came = 0, pause = 16;
 let pictures = 0, fps = 0, counted = performance.now(), last = counted;
-/** When the last picture was begun, and what tells that the card is done with it. */
+/** When there was a picture last. */
+let drawn = 0;
+/** When the picture was begun that is measured, and what tells that the card is done with it. */
 let began = 0;
 /** @type {WebGLSync | null} */
 let fence = null;
@@ -264,19 +266,21 @@ function picture(now) {
     if (status?.playing) draw.extent = stage.extent();
   }
   weigh(now);
-  if (fence || (!dirty && mix === draw.mix)) return;
+  if (!dirty && mix === draw.mix) return;
   // A processor that draws has a simulation to run as well.
-  if (draw.software && now - began < 40) return;
+  if (draw.software && now - drawn < 40) return;
   dirty = mix < 1;
   draw.mix = mix;
   draw.draw(stage, camera, hands.string);
   pictures++;
+  drawn = now;
+  if (fence) return;
   began = now;
   fence = draw.gl.fenceSync(draw.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   draw.gl.flush();
 }
 
-/** Looks whether the last picture is done, and how long it took. How often there is one tells nothing of it: a simulation may be slower. @param {number} now */
+/** Looks whether the picture that is measured is done, and how long it took. How often there is one tells nothing of it: a simulation may be slower. @param {number} now */
 function weigh(now) {
   const { gl } = draw;
   if (!fence || gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
