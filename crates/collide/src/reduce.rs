@@ -214,7 +214,7 @@ fn outline(normal: Vec3, points: &[ContactPoint], start: Vec3) -> [usize; 4] {
 }
 
 /// Index of the first point with the largest key.
-fn first_max(points: &[ContactPoint], key: impl Fn(&ContactPoint) -> f32) -> usize {
+pub(crate) fn first_max(points: &[ContactPoint], key: impl Fn(&ContactPoint) -> f32) -> usize {
     let mut best = (0, f32::NEG_INFINITY);
     for (i, p) in points.iter().enumerate() {
         let k = key(p);

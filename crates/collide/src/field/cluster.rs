@@ -5,7 +5,7 @@
 
 use super::few::keep_few;
 use super::gather::Contact;
-use crate::reduce::{reduce_within, start};
+use crate::reduce::{first_max, reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
 
@@ -20,6 +20,12 @@ const PLACE: f32 = 3.0;
 
 /// Points of fields that are open by more than this share of the manifold's span beyond the deepest bear no load: next to a line of contact, on a surface that bends away, they would span the larger area.
 pub(super) const BEARING: f32 = 1.5e-3;
+
+/// Cosine of the largest angle between the normal of a manifold and that of a point of flat ground: 2°.
+const FLAT: f32 = 0.999_4;
+
+/// Points no further from the line between two of them than this share of its length lie on it.
+const ON_LINE: f32 = 0.05;
 
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 2.5e-4;
@@ -75,10 +81,37 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let normal = sum.normalize_or(cluster[0].normal);
     let first = cluster[0].position;
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
-    let points: Vec<ContactPoint> = cluster
-        .iter()
-        .filter(|c| c.distance - deepest <= bearing * span)
-        .map(|c| ContactPoint { position: c.position, distance: c.distance, feature: c.name })
-        .collect();
-    reduce_within(normal, &points, start(normal), EQUAL * span)
+    let point = |c: &&Contact| ContactPoint { position: c.position, distance: c.distance, feature: c.name };
+    let bears = |c: &&&Contact| c.distance - deepest <= bearing * span;
+    let bearing: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
+    let mut manifold = ends(reduce_within(normal, &bearing, start(normal), EQUAL * span));
+    // Room that is left goes to those that will bear when the body tips: on flat ground, where they look exactly the same way.
+    let mut open: Vec<ContactPoint> =
+        cluster.iter().filter(|c| !bears(c) && c.normal.dot(normal) >= FLAT).map(point).collect();
+    while manifold.count < 4 && !open.is_empty() {
+        let apart = |p: &ContactPoint| {
+            let to = |q: &ContactPoint| q.position.distance_squared(p.position);
+            manifold.points().iter().map(to).fold(f32::INFINITY, f32::min)
+        };
+        let farthest = first_max(&open, apart);
+        manifold.points[manifold.count as usize] = open.swap_remove(farthest);
+        manifold.count += 1;
+    }
+    manifold
+}
+
+/// Of points on a line the two at its ends: they carry as much as all, and leave room.
+fn ends(manifold: Manifold) -> Manifold {
+    let points = manifold.points();
+    let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (points[j], points[i])));
+    let length = |&(p, q): &(ContactPoint, ContactPoint)| p.position.distance_squared(q.position);
+    let Some((from, to)) = pairs.max_by(|a, b| length(a).total_cmp(&length(b))) else { return manifold };
+    let along = to.position - from.position;
+    let beside = |p: &ContactPoint| (p.position - from.position).cross(along).length();
+    if points.len() < 3 || points.iter().any(|p| beside(p) > ON_LINE * along.length_squared()) {
+        return manifold;
+    }
+    let mut line = Manifold { count: 2, ..manifold };
+    (line.points[0], line.points[1]) = (from, to);
+    line
 }
