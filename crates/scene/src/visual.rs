@@ -6,9 +6,11 @@ use crate::node::Table;
 use crate::shapes::failed;
 use crate::spec::{ANY, Key, POSITIVE, Spec, Ty, key, optional, required};
 use rockfall::Shape;
-use rockfall_import::mesh_file::{self, TriangleSoup};
+use rockfall_import::mesh_file;
 use rockfall_math::rotation::rotate;
+use rockfall_math::{Aabb, Vec3};
 use rockfall_shape::Mesh;
+use rockfall_tree::Tree;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -75,10 +77,12 @@ pub(crate) fn spell([r, g, b]: Color) -> String {
 #[derive(Default)]
 pub(crate) struct Visuals {
     pub(crate) shapes: Vec<Shape>,
-    /// By file, and the bits of place, turn and scale.
-    known: BTreeMap<(String, [u64; 8]), u32>,
-    files: BTreeMap<String, TriangleSoup>,
+    known: BTreeMap<(Source, u32), u32>,
+    cooked: BTreeMap<Source, Arc<Mesh>>,
 }
+
+/// A file, and the bits of place, turn and scale.
+type Source = (String, [u64; 8]);
 
 impl Visuals {
     /// The one that a table with the keys of [`VISUAL`] describes, for a shape that is `size` times as large as the scene has it.
@@ -86,34 +90,65 @@ impl Visuals {
     /// # Errors
     /// A file that can't be read, or has no triangle with an area.
     pub(crate) fn of(&mut self, table: &Table, size: f32) -> Result<u32, Problem> {
-        let (file, pose, scale) = (table.text("file"), body::pose(table)?, table.f32("scale"));
+        let (file, pose, scale) = (table.text("file"), body::pose(table)?, table.f64("scale"));
         let [x, y, z] = pose.position.to_array().map(f64::to_bits);
         let [a, b, c, d] = pose.rotation.to_array().map(|q| u64::from(q.to_bits()));
-        let sizes = u64::from(scale.to_bits()) << 32 | u64::from(size.to_bits());
-        let key = (file.to_owned(), [x, y, z, a, b, c, d, sizes]);
+        let source = (file.to_owned(), [x, y, z, a, b, c, d, scale.to_bits()]);
+        let key = (source, size.to_bits());
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
-        if !self.files.contains_key(file) {
-            let soup = mesh_file::read(Path::new(file)).map_err(|why| failed(table, "file", why))?;
-            self.files.insert(file.to_owned(), soup);
-        }
-        let soup = &self.files[file];
-        let at = pose.position.as_vec3();
-        let place = |v: &rockfall_math::Vec3| (at + rotate(pose.rotation, *v * scale)) * size;
-        let corners: Vec<_> = soup.vertices.iter().map(place).collect();
-        let mesh =
-            Mesh::from_triangles(&corners, &soup.triangles).map_err(|why| failed(table, "file", why))?;
+        let mesh = match self.cooked.get(&key.0) {
+            Some(mesh) => Arc::clone(mesh),
+            None => {
+                let soup = mesh_file::read(Path::new(file)).map_err(|why| failed(table, "file", why))?;
+                let (at, scale) = (pose.position.as_vec3(), scale as f32);
+                let corners: Vec<Vec3> =
+                    soup.vertices.iter().map(|v| at + rotate(pose.rotation, *v * scale)).collect();
+                let mesh = Mesh::from_triangles(&corners, &soup.triangles);
+                let mesh = Arc::new(mesh.map_err(|why| failed(table, "file", why))?);
+                self.cooked.insert(key.0.clone(), Arc::clone(&mesh));
+                mesh
+            }
+        };
+        let mesh = if size == 1.0 { mesh } else { Arc::new(scaled(&mesh, size)) };
         let index = self.shapes.len() as u32;
-        self.shapes.push(Shape::Mesh(Arc::new(mesh)));
+        self.shapes.push(Shape::Mesh(mesh));
         self.known.insert(key, index);
         Ok(index)
+    }
+}
+
+/// A mesh at another size. Cooked anew, it would look for its neighbours and for a ball that fits in, which takes far longer and is nothing that a visual is asked for.
+fn scaled(mesh: &Mesh, by: f32) -> Mesh {
+    let vertices: Vec<Vec3> = mesh.vertices.iter().map(|v| by * *v).collect();
+    let corners = |t: &[u32; 3]| t.map(|corner| vertices[corner as usize]);
+    let boxes: Vec<Aabb> = mesh.triangles.iter().map(|t| Aabb::from_points(corners(t))).collect();
+    Mesh {
+        tree: Tree::build(&boxes),
+        bounds: Aabb::from_points(vertices.iter().copied()),
+        inner_ball: (by * mesh.inner_ball.0, by * mesh.inner_ball.1),
+        vertices,
+        ..mesh.clone()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mesh_at_another_size_is_what_would_be_cooked_of_it() {
+        let corners = [Vec3::ZERO, Vec3::X, 2.0 * Vec3::Y, Vec3::Z, Vec3::new(3.0, 1.0, 0.5)];
+        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3], [1, 4, 2]];
+        let mesh = Mesh::from_triangles(&corners, &triangles).unwrap();
+        let (other, cooked) =
+            (scaled(&mesh, 0.5), Mesh::from_triangles(&corners.map(|c| 0.5 * c), &triangles).unwrap());
+        other.check().unwrap();
+        assert_eq!((other.vertices, other.bounds), (cooked.vertices, cooked.bounds));
+        assert_eq!((other.normals, other.edges), (cooked.normals, cooked.edges));
+        assert_eq!((other.closed, other.inner_ball), (cooked.closed, cooked.inner_ball));
+    }
 
     #[test]
     fn colours_are_read_as_they_are_written() {

@@ -373,6 +373,7 @@ fn who_reads_nothing_holds_nobody_up_and_rubbish_is_answered() {
         let frame = viewer.frame;
         viewer.until("further moments", |v| v.frame > frame + 10);
     }
+    deaf.until("two moments", |v| v.moments == 2);
     deaf.until("count", |v| v.status("frame").as_u64() > Some(u64::from(v.frame) + 5));
     assert_eq!(deaf.moments, 2);
     drop(viewers);
