@@ -31,6 +31,9 @@ pub enum Error {
     /// A shape of the case makes no sense.
     #[error("{0}")]
     Shape(#[from] rockfall::shape::ShapeError),
+    /// A hull of the case makes no sense.
+    #[error("{0}")]
+    Hull(#[from] rockfall::shape::HullError),
     /// A peer lacks a shape of the case.
     #[error("{engine} has no {shape}")]
     NoShape {
