@@ -12,7 +12,10 @@ const KNOWN: [(&str, &str); 6] = [
     ("overhang", "contacts of 60 Hz let the lowest edges sink, which tilts a tall stack"),
     ("tower", "contacts of 60 Hz are too soft for a column of twenty"),
     ("small-column", "contacts of 60 Hz give by more than a hundredth of a ball of 5 mm"),
-    ("belt", "a box on a turntable lags"),
+    (
+        "belt",
+        "arms of contacts are those of the start of a step: friction of all of it comes in its first sub-step, and tips the box",
+    ),
 ];
 
 /// Promise: all cases of flight, friction, impact and statics, and the plate with 25 balls, come out as they have to, but for those that are known
