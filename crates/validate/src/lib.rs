@@ -4,7 +4,7 @@
 //! out beside what is expected, how far off it may be, and why. [`run`] takes cases and engines, and its [`Report`] is a table for
 //! terminals, JSON, or a page. A check that fails stays there as failed, with its figure.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)] // But in peers that are written in C++.
 
 mod case;
 mod cases;
@@ -51,8 +51,13 @@ pub enum Error {
         reason: String,
     },
     /// A peer is not in this build.
-    #[error("this build has no {0}; build it with the cargo feature `peers`")]
-    NotBuilt(&'static str),
+    #[error("this build has no {engine}; build it with the cargo feature `{feature}`")]
+    NotBuilt {
+        /// Which engine.
+        engine: &'static str,
+        /// The feature that has it.
+        feature: &'static str,
+    },
     /// There is no case of that name.
     #[error("there is no case and no group `{name}`; expected one of {known}")]
     NoCase {

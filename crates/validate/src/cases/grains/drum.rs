@@ -63,7 +63,7 @@ fn ribbed(radius: f64, half_length: f64) -> Result<Mesh, Error> {
     let n = 2 * ribs;
     let corner = |k: u32| {
         let (sin, cos) = libm::sincos(f64::from(k) * core::f64::consts::TAU / f64::from(n));
-        let r = if k % 2 == 0 { radius } else { radius - 0.25 };
+        let r = if k.is_multiple_of(2) { radius } else { radius - 0.25 };
         [-half_length, half_length].map(|y| DVec3::new(r * cos, y, r * sin).as_vec3())
     };
     let corners: Vec<Vec3> = (0..n).flat_map(corner).collect();
