@@ -7,7 +7,7 @@ use crate::engine::{DEFAULT, Surface, Thing};
 use crate::finding::{Figure, Findings};
 use crate::stage::{Numbers, Rig, Stage, cuboid};
 use rockfall::Mix;
-use rockfall::math::{DVec3, Vec3};
+use rockfall::math::{DVec3, Pose, Vec3};
 
 pub(super) const CASE: Case = Case {
     name: "repose",
@@ -80,7 +80,7 @@ fn glue(stage: &mut Stage, length: f64, width: f64, surface: Surface) -> Result<
     for i in 0..along * across {
         let cell = DVec3::new((i % along) as f64, (i / along) as f64 - 0.5 * width, 0.0);
         let place = cell + DVec3::new(0.5, 0.5, -0.5 - 0.4 * random.next());
-        stage.put(&Thing { pose: rockfall::math::Pose::at(place), ..heap::grain(surface).fixed() })?;
+        stage.put(&heap::grain(surface).fixed().pose(Pose::at(place)))?;
     }
     Ok(())
 }
