@@ -2,6 +2,10 @@
 
 #[cfg(feature = "peers")]
 mod box3d;
+// Written in C++, behind an interface of C.
+#[cfg(feature = "jolt")]
+#[allow(unsafe_code)]
+mod jolt;
 #[cfg(feature = "peers")]
 mod rapier;
 mod rockfall;
@@ -25,6 +29,8 @@ pub enum EngineName {
     Rapier,
     /// Box3D, likewise.
     Box3d,
+    /// Jolt, where it is built: the feature `jolt`.
+    Jolt,
 }
 
 /// Rockfall's three solvers, and peers.
@@ -32,28 +38,33 @@ pub(crate) const ALL: &[EngineName] = &EngineName::ALL;
 
 /// Those that know friction and restitution: `reflect` knows neither.
 pub(crate) const WITH_FRICTION: &[EngineName] =
-    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier, EngineName::Box3d];
+    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier, EngineName::Box3d, EngineName::Jolt];
 
 /// Those with Coulomb's law in impacts: `impulse` has another one.
-pub(crate) const WITH_COULOMB: &[EngineName] = &[EngineName::SoftStep, EngineName::Rapier, EngineName::Box3d];
+pub(crate) const WITH_COULOMB: &[EngineName] =
+    &[EngineName::SoftStep, EngineName::Rapier, EngineName::Box3d, EngineName::Jolt];
 
 /// The default solver alone: the others don't claim what the case is about, or don't tell their forces.
 pub(crate) const DEFAULT: &[EngineName] = &[EngineName::SoftStep];
 
 impl EngineName {
     /// All.
-    pub const ALL: [EngineName; 5] = [
+    pub const ALL: [EngineName; 6] = [
         EngineName::SoftStep,
         EngineName::Impulse,
         EngineName::Reflect,
         EngineName::Rapier,
         EngineName::Box3d,
+        EngineName::Jolt,
     ];
 
     /// Those that this build has.
     pub fn built() -> Vec<EngineName> {
-        let peer = |name: &EngineName| matches!(name, EngineName::Rapier | EngineName::Box3d);
-        let has = |name: &EngineName| !peer(name) || cfg!(feature = "peers");
+        let has = |name: &EngineName| match name {
+            EngineName::SoftStep | EngineName::Impulse | EngineName::Reflect => true,
+            EngineName::Rapier | EngineName::Box3d => cfg!(feature = "peers"),
+            EngineName::Jolt => cfg!(feature = "jolt"),
+        };
         EngineName::ALL.into_iter().filter(has).collect()
     }
 
@@ -65,6 +76,7 @@ impl EngineName {
             EngineName::Reflect => "reflect",
             EngineName::Rapier => "rapier",
             EngineName::Box3d => "box3d",
+            EngineName::Jolt => "jolt",
         }
     }
 
@@ -79,7 +91,13 @@ impl EngineName {
             #[cfg(feature = "peers")]
             EngineName::Box3d => return Ok(Box::new(box3d::Box3d::new(terms)?)),
             #[cfg(not(feature = "peers"))]
-            EngineName::Rapier | EngineName::Box3d => return Err(Error::NotBuilt(self.name())),
+            EngineName::Rapier | EngineName::Box3d => {
+                return Err(Error::NotBuilt { engine: self.name(), feature: "peers" });
+            }
+            #[cfg(feature = "jolt")]
+            EngineName::Jolt => return Ok(Box::new(jolt::Jolt::new(terms)?)),
+            #[cfg(not(feature = "jolt"))]
+            EngineName::Jolt => return Err(Error::NotBuilt { engine: self.name(), feature: "jolt" }),
         };
         Ok(Box::new(rockfall::Rockfall::new(solver, terms)?))
     }

@@ -4,7 +4,7 @@
 //! out beside what is expected, how far off it may be, and why. [`run`] takes cases and engines, and its [`Report`] is a table for
 //! terminals, JSON, or a page. A check that fails stays there as failed, with its figure.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)] // But in peers that are written in C++.
 
 mod case;
 mod cases;
@@ -31,6 +31,9 @@ pub enum Error {
     /// A shape of the case makes no sense.
     #[error("{0}")]
     Shape(#[from] rockfall::shape::ShapeError),
+    /// A hull of the case makes no sense.
+    #[error("{0}")]
+    Hull(#[from] rockfall::shape::HullError),
     /// A peer lacks a shape of the case.
     #[error("{engine} has no {shape}")]
     NoShape {
@@ -48,8 +51,13 @@ pub enum Error {
         reason: String,
     },
     /// A peer is not in this build.
-    #[error("this build has no {0}; build it with the cargo feature `peers`")]
-    NotBuilt(&'static str),
+    #[error("this build has no {engine}; build it with the cargo feature `{feature}`")]
+    NotBuilt {
+        /// Which engine.
+        engine: &'static str,
+        /// The feature that has it.
+        feature: &'static str,
+    },
     /// There is no case of that name.
     #[error("there is no case and no group `{name}`; expected one of {known}")]
     NoCase {

@@ -3,6 +3,7 @@
 mod brute_force;
 #[path = "../common/mod.rs"]
 mod common;
+mod known_depths;
 mod manifolds;
 mod opinion;
 mod pairs;

@@ -7,13 +7,14 @@ mod top;
 
 use crate::case::Case;
 
-pub(super) const CASES: [Case; 6] = [
+pub(super) const CASES: [Case; 7] = [
     projectile::CASE,
     top::CASE,
     gazebo::CASES[0],
     gazebo::CASES[1],
     gyroscope::CASES[0],
     gyroscope::CASES[1],
+    gyroscope::CASES[2],
 ];
 
 /// Name of the group.

@@ -13,14 +13,15 @@ mod tower;
 
 use crate::case::Case;
 
-pub(super) const CASES: [Case; 10] = [
+pub(super) const CASES: [Case; 11] = [
     overhang::CASE,
     cylinders::CASE,
     ladder::CASE,
     cards::CASE,
     tipping::CASE,
     tower::CASE,
-    column::CASE,
+    column::CASES[0],
+    column::CASES[1],
     pyramid::CASE,
     balls::CASE,
     belt::CASE,

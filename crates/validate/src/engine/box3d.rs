@@ -75,7 +75,8 @@ impl Box3d {
             Shape::Hull(hull) => {
                 let points: Vec<Triple> = hull.vertices.iter().map(|&v| Triple::from(at(v))).collect();
                 let count = i32::try_from(points.len()).map_err(|_| refused())?;
-                let hull = Hull::from_points(&points, count)?;
+                // It takes so many corners and no more.
+                let hull = Hull::from_points(&points, count).map_err(|_| refused())?;
                 self.world.create_created_hull_shape(body, &def, &hull)?;
             }
             Shape::Mesh(mesh) if thing.kind == Kind::Static => {

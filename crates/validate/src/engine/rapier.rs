@@ -125,6 +125,7 @@ fn shared(shape: &Shape) -> Result<(SharedShape, Place), Error> {
         Shape::HalfSpace { normal, offset } => {
             (SharedShape::halfspace(*normal), Place::from_parts(*normal * *offset, Quat::IDENTITY))
         }
+        Shape::Hull(hull) => (SharedShape::convex_hull(&hull.vertices).ok_or_else(refused)?, here),
         Shape::Mesh(mesh) => {
             let mesh = SharedShape::trimesh(mesh.vertices.clone(), mesh.triangles.clone());
             (mesh.map_err(|_| refused())?, here)

@@ -14,7 +14,7 @@ pub(super) const CASE: Case = Case {
     title: "A ball is thrown",
     source: Source::ClosedForm("the parabola; Chrono's and Jolt's suites have the same"),
     setup: "A ball at (3, −2, 40) m/s under g = 9.81 m/s² for 10 s at 1 ms, and a cube that falls from 10 m for 2 s at 60 Hz in one sub-step \
-            (Jolt's `FreeFall`).",
+            (Jolt's `FreeFall`); and one at (2, 2, 0) m/s under g = 9.80665 m/s² for 1,000 steps of 10 µs (Chrono's `gravity`).",
     engines: ALL,
     long: false,
     run,
@@ -86,5 +86,21 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
             "the parabola; semi-implicit Euler is ½ g T h = 0.1635 m lower",
         )
         .beside(&[("Jolt", -9.7835)]);
+
+    let gravity = Vec3::Z * -9.80665;
+    let mut stage = rig.stage(Terms { gravity, rate: 1e5, ..Terms::FINE })?;
+    let v = Vec3::new(2.0, 2.0, 0.0);
+    let stone = stage.put(&Thing::new(ball(0.1), surface, DVec3::ZERO).moving(v, Vec3::ZERO))?;
+    for _ in 0..1000 {
+        stage.step()?;
+    }
+    let exact = v.as_dvec3() * 0.01 + gravity.as_dvec3() * 5e-5;
+    findings.at_most(
+        "distance from the parabola after 1,000 steps of 10 µs",
+        "m",
+        (stage.position(stone)? - exact).length(),
+        1e-6,
+        "Chrono's own tolerance",
+    );
     Ok(findings)
 }

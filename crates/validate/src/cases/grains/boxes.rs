@@ -32,13 +32,11 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     let floor = stage.plane(Vec3::Z, surface(0.6))?;
     let cube = Thing::new(cuboid(0.5, 0.5, 0.5), surface(0.6), DVec3::ZERO);
     let ids = heap::pour(&mut stage, width, 0.0, count, &cube, 0.5, 7)?;
-    // Semi-implicit Euler measures the energy of free flight ½ m g h v off, h the sub-step.
-    let half = 0.5 * terms.g() * terms.dt() / f64::from(terms.substeps);
     let start = stage.energy()?;
     let (mut lowest, mut gain, mut curve) = (start, 0.0_f64, Vec::new());
     for _ in 0..100 {
         stage.seconds(0.1)?;
-        let energy = stage.energy()? + half * stage.momentum()?.z;
+        let energy = stage.energy()?;
         gain = gain.max(energy - lowest);
         lowest = lowest.min(energy);
         curve.push((stage.time(), energy / start));

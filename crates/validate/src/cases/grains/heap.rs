@@ -41,20 +41,39 @@ pub(super) fn pour(
     size: f64,
     seed: u64,
 ) -> Result<Vec<usize>, Error> {
+    let low = DVec3::new(-0.5 * width, -0.5 * width, base);
+    pour_over(stage, low, [width; 2], count, thing, size, seed)
+}
+
+/// The same over a rectangle, by its lower corner and its sides along x and y, metres.
+pub(super) fn pour_over(
+    stage: &mut Stage,
+    low: DVec3,
+    sides: [f64; 2],
+    count: usize,
+    thing: &Thing,
+    size: f64,
+    seed: u64,
+) -> Result<Vec<usize>, Error> {
     let mut random = Numbers(seed);
-    let across = (width / (1.12 * size)).floor() as usize;
-    let pitch = width / across as f64;
-    let room = pitch - size;
+    let across = sides.map(|side| layer(side, size));
+    let pitch = [sides[0] / across[0] as f64, sides[1] / across[1] as f64];
+    // Layers are as far apart as balls along x.
+    let pitch = DVec3::new(pitch[0], pitch[1], pitch[0]);
     let mut ids = Vec::with_capacity(count);
     for i in 0..count {
-        let cell =
-            DVec3::new((i % across) as f64, (i / across % across) as f64, (i / across / across) as f64);
-        let middle = DVec3::new(-0.5 * width, -0.5 * width, base) + (cell + 0.5) * pitch;
-        let position = middle + (random.vector() - 0.5) * (0.9 * room);
+        let [nx, ny] = across;
+        let cell = DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / nx / ny) as f64);
+        let position = low + (cell + 0.5) * pitch + (random.vector() - 0.5) * (0.9 * (pitch - size));
         let velocity = (random.vector() * 2.0 - 1.0).as_vec3() * 0.5;
         ids.push(stage.put(&thing.clone().pose(Pose::at(position)).moving(velocity, Vec3::ZERO))?);
     }
     Ok(ids)
+}
+
+/// How many things of a size the loose lattice has along a side.
+pub(super) fn layer(side: f64, size: f64) -> usize {
+    (side / (1.12 * size)).floor() as usize
 }
 
 /// A ball of 1 m.

@@ -82,7 +82,7 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     }
     // W^(2/5) over D is a straight line.
     let line: Vec<(f64, f64)> = points.iter().map(|&(d, w)| (d, libm::pow(w, 0.4))).collect();
-    let (slope, offset, r_squared) = regression(&line);
+    let (slope, offset, r_squared) = super::line::through(&line);
     let per_ball = 0.6 / (core::f64::consts::PI / 6.0) * libm::sqrt(heap::TERMS.g());
     let c = libm::pow(slope, 2.5) / per_ball;
     let mut findings = Findings::default();
@@ -99,25 +99,9 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     Ok(findings)
 }
 
-/// Slope, offset and R² of the straight line through points.
-fn regression(points: &[(f64, f64)]) -> (f64, f64, f64) {
-    let n = points.len() as f64;
-    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let sum = |value: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| value(p.0 - x, p.1 - y)).sum::<f64>();
-    let (xx, xy, yy) = (sum(&|a, _| a * a), sum(&|a, b| a * b), sum(&|_, b| b * b));
-    (xy / xx, y - xy / xx * x, xy * xy / (xx * yy))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_straight_line_is_found() {
-        let (slope, offset, r) = regression(&[(1.0, 1.0), (2.0, 3.0), (4.0, 7.0)]);
-        assert!((slope - 2.0).abs() < 1e-12 && (offset + 1.0).abs() < 1e-12 && (r - 1.0).abs() < 1e-12);
-    }
 
     #[test]
     fn the_plate_has_its_hole() {

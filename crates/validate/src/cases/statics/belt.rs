@@ -47,7 +47,7 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
             "m/s",
             (stage.velocity(id)? - carried).length(),
             3e-3,
-            "MuJoCo's 1e-3, and ω² r h = 2e-3: the box goes along chords of a sub-step",
+            "MuJoCo's 1e-3, and ω² r h = 2e-3: the box would go along chords of a sub-step",
         )
         .at_most(
             "spin off the table's after 4 s",
