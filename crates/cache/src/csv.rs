@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 /// Columns before those of the stages; units are part of the names.
-const COLUMNS: [&str; 31] = [
+const COLUMNS: [&str; 33] = [
     "frame",
     "time_s",
     "bodies",
@@ -22,6 +22,7 @@ const COLUMNS: [&str; 31] = [
     "serial",
     "deepest_penetration_m",
     "mean_penetration_m",
+    "p99_penetration_m",
     "kinetic_energy_J",
     "potential_energy_J",
     "momentum_x_kg_m_s",
@@ -40,6 +41,7 @@ const COLUMNS: [&str; 31] = [
     "energy_gain_J",
     "friction_use",
     "frozen",
+    "memory_bytes",
 ];
 
 /// Digits of a row's checksum.
@@ -56,11 +58,11 @@ pub fn header() -> String {
 }
 
 /// The line of one frame. Numbers are written so that reading them gives the same bits; the hash is hexadecimal,
-/// and empty where it was not taken. The checksum is that of the line before it.
-pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> String {
+/// and empty where it was not taken. `memory` is in bytes. The checksum is that of the line before it.
+pub fn row(frame: u64, time: f64, report: &StepReport, memory: u64, hash: Option<u64>) -> String {
     let r = report;
     let mut line = format!(
-        "{frame},{time},{},{},{},{},{},{},{},{},{},{},{},{},{}",
+        "{frame},{time},{},{},{},{},{},{},{},{},{},{},{},{},{},{}",
         r.bodies,
         r.awake,
         r.pairs,
@@ -72,6 +74,7 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
         r.serial,
         r.deepest_penetration,
         r.mean_penetration,
+        r.p99_penetration,
         r.kinetic_energy,
         r.potential_energy,
     );
@@ -81,7 +84,7 @@ pub fn row(frame: u64, time: f64, report: &StepReport, hash: Option<u64>) -> Str
     for value in vectors.as_flattened() {
         let _ = write!(line, ",{value}");
     }
-    let _ = write!(line, ",{}", r.frozen);
+    let _ = write!(line, ",{},{memory}", r.frozen);
     for time in &r.times {
         let _ = write!(line, ",{:.3}", time.as_secs_f64() * 1e3);
     }
@@ -179,7 +182,7 @@ mod tests {
             frozen: 2,
             ..StepReport::default()
         };
-        let (header, row) = (header(), row(3, 0.05, &report, Some(0xabc)));
+        let (header, row) = (header(), row(3, 0.05, &report, 5000, Some(0xabc)));
         let cells: Vec<(&str, &str)> = header.trim_end().split(',').zip(row.trim_end().split(',')).collect();
         assert_eq!(header.matches(',').count(), row.matches(',').count());
         let cell = |name: &str| cells.iter().find(|(column, _)| *column == name).unwrap().1;
@@ -189,6 +192,7 @@ mod tests {
         assert_eq!(cell("kinetic_energy_J").parse(), Ok(1.0f64 / 3.0));
         assert_eq!(cell("angular_momentum_y_kg_m2_s").parse(), Ok(-2.5e-9f64));
         assert_eq!(cell("frozen"), "2");
+        assert_eq!(cell("memory_bytes"), "5000");
         assert_eq!(cell("report_ms"), "0.000");
         assert_eq!(cell("hash"), "0000000000000abc");
         assert!(sound(row.trim_end()).is_some());

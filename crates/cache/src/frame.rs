@@ -156,6 +156,8 @@ pub struct Frame {
     pub report: Option<StepReport>,
     /// [`rockfall::World::hash`], where it was taken.
     pub hash: Option<u64>,
+    /// [`rockfall::World::memory`], bytes; 0 where nobody asked.
+    pub memory: u64,
     /// What touches; empty in a run that does not write it.
     pub contacts: Contacts,
     /// What happened in the step that led here; empty in a run that does not write it.

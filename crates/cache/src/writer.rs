@@ -282,7 +282,7 @@ struct Parts {
 impl Parts {
     fn write(&mut self, frame: &Frame) -> Result<(), Error> {
         if let Some(report) = &frame.report {
-            self.write_row(&csv::row(self.frame, frame.time, report, frame.hash))?;
+            self.write_row(&csv::row(self.frame, frame.time, report, frame.memory, frame.hash))?;
         }
         self.frame += 1;
         self.trajectory.append(frame)

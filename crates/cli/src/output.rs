@@ -166,8 +166,18 @@ impl Output {
         let hash = Some(world.hash());
         let frame = report.map_or(0, |report| report.step);
         let (contacts, events, columns) = self.extras.gather(world, &ids, &self.table, self.origin, frame)?;
-        let report = report.cloned();
-        self.writer.push(Frame { time, poses, velocities, report, hash, contacts, events, columns })?;
+        let (report, memory) = (report.cloned(), world.memory() as u64);
+        self.writer.push(Frame {
+            time,
+            poses,
+            velocities,
+            report,
+            hash,
+            memory,
+            contacts,
+            events,
+            columns,
+        })?;
         Ok(())
     }
 

@@ -69,7 +69,7 @@ fn name(run: &Path) -> String {
 
 fn page(args: &ReportArgs, run: &Run, output: &Path) -> Result<String, Failure> {
     let table = Table::read(&args.run)?;
-    let sections = curves::sections(run, &table)?;
+    let sections = curves::sections(&table);
     let mut text = head(&format!("Run {}", name(&args.run)), STYLE);
     let (sentence, facts) = summary::facts(run.summary());
     text += &format!(

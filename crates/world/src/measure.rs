@@ -124,6 +124,7 @@ pub(crate) fn measure(
     report.touching = touch.touching;
     report.contacts = touch.contacts;
     report.deepest_penetration = touch.deepest;
+    report.p99_penetration = touch.percentile_99();
     report.mean_penetration = (1e-9 * touch.overlap as f64 / touch.overlapping.max(1) as f64) as f32;
 }
 

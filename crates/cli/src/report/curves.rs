@@ -1,16 +1,11 @@
 //! The curves of a report, each with the table that is behind it.
 
 use super::table::Table;
-use crate::exit::Failure;
-use rockfall_export::Run;
 use rockfall_plot::{Curve, Scale, Side, areas, escape, picture};
 
 /// Points of a curve and rows of a table at most: of longer runs some are left out, evenly, and the last one stays.
 const POINTS: usize = 600;
 const ROWS: usize = 120;
-
-/// Frames of which contacts are looked at one by one.
-const LOOKED_AT: u64 = 200;
 
 /// Stages that have a colour of their own; the others are put together.
 const STAGES: usize = 6;
@@ -38,9 +33,9 @@ struct Line {
 }
 
 /// All figures that the columns allow, as text.
-pub(super) fn sections(run: &Run, table: &Table) -> Result<Vec<String>, Failure> {
+pub(super) fn sections(table: &Table) -> Vec<String> {
     let Some(time) = table.column("time_s").filter(|time| !time.is_empty()) else {
-        return Ok(vec!["<p>No frame is complete yet.</p>\n".into()]);
+        return vec!["<p>No frame is complete yet.</p>\n".into()];
     };
     let mut shown: Vec<&str> = NOT_SHOWN.to_vec();
     let mut figures = Vec::new();
@@ -67,12 +62,17 @@ pub(super) fn sections(run: &Run, table: &Table) -> Result<Vec<String>, Failure>
         ("angular_momentum_z_kg_m2_s", "z"),
     ];
     add("Angular momentum", "kg m²/s", linear, 1.0, &angular);
-    let deep = [("mean_penetration_m", "mean"), ("deepest_penetration_m", "deepest")];
+    let deep = [
+        ("mean_penetration_m", "mean"),
+        ("p99_penetration_m", "99 of 100"),
+        ("deepest_penetration_m", "deepest"),
+    ];
     add("Penetration", "mm", Kind::Lines(Scale::Logarithmic), 1e3, &deep);
     add("Bodies", "", linear, 1.0, &[("bodies", "all"), ("awake", "awake")]);
     let touching =
         [("pairs", "pairs whose boxes overlap"), ("touching", "pairs that touch"), ("contacts", "contacts")];
     add("Contacts", "", linear, 1.0, &touching);
+    add("Memory of the world", "MB", linear, 1e-6, &[("memory_bytes", "held")]);
     // Energy that is neither kinetic nor potential can't come from nowhere: their sum beside each other.
     if let (Some(kinetic), Some(potential)) =
         (table.column("kinetic_energy_J"), table.column("potential_energy_J"))
@@ -82,9 +82,6 @@ pub(super) fn sections(run: &Run, table: &Table) -> Result<Vec<String>, Failure>
             figure.title = "Energy".into();
             figure.lines.push(line("with the kinetic", &sum, 1.0));
         }
-    }
-    if let Some(figure) = figures.iter_mut().find(|figure| figure.title == "Penetration") {
-        figure.lines.extend(percentile(run)?);
     }
     figures.extend(stages(table, time));
     // Whatever else there is, each by itself.
@@ -97,27 +94,7 @@ pub(super) fn sections(run: &Run, table: &Table) -> Result<Vec<String>, Failure>
         let title = name.replace('_', " ");
         figures.push(Figure { title, up: String::new(), lines: vec![line(name, values, 1.0)], kind: linear });
     }
-    Ok(figures.iter().map(Figure::text).collect())
-}
-
-/// The depth, millimetres, that 99 of 100 contacts that are in one another do not reach, where the run has its contacts.
-fn percentile(run: &Run) -> Result<Option<Line>, Failure> {
-    let Some(wanted) = run.wanted_contacts() else { return Ok(None) };
-    let last = run.frames().saturating_sub(1);
-    let step = wanted.every * last.div_ceil(LOOKED_AT * wanted.every).max(1);
-    let mut points = Vec::new();
-    for frame in (step..=last).step_by(step as usize) {
-        let contacts = run.contacts(frame)?;
-        let mut depths: Vec<f32> =
-            contacts.distances.iter().map(|d| -d).filter(|depth| *depth > 0.0).collect();
-        if depths.is_empty() {
-            continue;
-        }
-        let place = (depths.len() - 1) * 99 / 100;
-        let depth = *depths.select_nth_unstable_by(place, f32::total_cmp).1;
-        points.push((run.times()[frame as usize], 1e3 * f64::from(depth)));
-    }
-    Ok((!points.is_empty()).then(|| Line { name: "99 of 100".into(), points }))
+    figures.iter().map(Figure::text).collect()
 }
 
 /// What stages take, on top of each other: the largest at the bottom.

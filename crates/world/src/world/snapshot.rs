@@ -240,14 +240,14 @@ fn save_report(report: &StepReport, to: &mut Writer<'_>) -> Result<(), Error> {
     #[rustfmt::skip]
     let &StepReport {
         step, time, bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes,
-        deepest_penetration, mean_penetration, kinetic_energy, potential_energy, momentum, angular_momentum, frozen,
+        deepest_penetration, mean_penetration, p99_penetration, kinetic_energy, potential_energy, momentum, angular_momentum, frozen,
         support, weight, momentum_error, energy_gain, friction_use, times: _,
     } = report;
     let counts =
         [bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes, frozen];
     to.one("report.step", step)?;
     to.column("report.counts", &counts.map(|count| count as u64))?;
-    to.column("report.depths", &[deepest_penetration, mean_penetration])?;
+    to.column("report.depths", &[deepest_penetration, mean_penetration, p99_penetration])?;
     let ([x, y, z], [u, v, w]) = (momentum, angular_momentum);
     to.column("report.sums", &[time, kinetic_energy, potential_energy, x, y, z, u, v, w])?;
     let ([x, y, z], [u, v, w]) = (support, weight);
@@ -265,7 +265,7 @@ fn load_report(from: &mut Reader<'_>) -> Result<StepReport, Error> {
     #[rustfmt::skip]
     let (
         &[bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes, frozen],
-        &[deepest_penetration, mean_penetration],
+        &[deepest_penetration, mean_penetration, p99_penetration],
         &[time, kinetic_energy, potential_energy, x, y, z, u, v, w],
         &[support_x, support_y, support_z, weight_x, weight_y, weight_z, momentum_error, energy_gain, friction_use],
     ) = (&counts[..], &depths[..], &sums[..], &balance[..]) else {
@@ -275,7 +275,7 @@ fn load_report(from: &mut Reader<'_>) -> Result<StepReport, Error> {
     #[rustfmt::skip]
     let report = StepReport {
         step, time, bodies, awake, pairs, touching, manifolds, contacts, colors, split, serial, swept_bytes,
-        deepest_penetration, mean_penetration, kinetic_energy, potential_energy, frozen,
+        deepest_penetration, mean_penetration, p99_penetration, kinetic_energy, potential_energy, frozen,
         momentum: [x, y, z], angular_momentum: [u, v, w], support: [support_x, support_y, support_z],
         weight: [weight_x, weight_y, weight_z], momentum_error, energy_gain, friction_use, times: Default::default(),
     };
