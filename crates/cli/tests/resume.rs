@@ -70,13 +70,13 @@ fn ends_as_the_whole(place: &Place, options: &str, hash: &str) {
     same(&place.path("whole"), &place.path("part"));
 }
 
-/// The rows of `frames.csv` without the times of the stages, and the checksums that cover them.
+/// The rows of `frames.csv` without what is the machine's: times of the stages, the memory, whose room goes with what was there before, and the checksums that cover them.
 fn rows(run: &Path) -> Vec<Vec<String>> {
     let text = fs::read_to_string(run.join(FRAMES)).unwrap();
     let names: Vec<String> = text.lines().next().unwrap().split(',').map(str::to_owned).collect();
     let row = |line: &str| -> Vec<String> {
-        let cells =
-            line.split(',').zip(&names).filter(|(_, name)| !name.ends_with("_ms") && *name != "checksum");
+        let machine = |name: &str| name.ends_with("_ms") || ["memory_bytes", "checksum"].contains(&name);
+        let cells = line.split(',').zip(&names).filter(|(_, name)| !machine(name));
         cells.map(|(cell, _)| cell.to_owned()).collect()
     };
     text.lines().map(row).collect()
