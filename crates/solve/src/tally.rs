@@ -58,7 +58,7 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// The depth, metres, that 99 of 100 overlaps do not exceed; to a twelfth of it, since they are counted in classes.
+    /// The depth, metres, that 99 of 100 overlaps do not exceed; to an eighth of it, the width of the classes that they are counted in.
     pub fn percentile_99(&self) -> f32 {
         let wanted = (99 * self.overlapping as u64).div_ceil(100);
         let mut before = 0;

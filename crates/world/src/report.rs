@@ -39,7 +39,7 @@ pub struct StepReport {
     pub deepest_penetration: f32,
     /// Mean overlap of the overlapping contact points, metres.
     pub mean_penetration: f32,
-    /// Overlap that 99 of 100 of them do not exceed, metres, to a twelfth of it.
+    /// Overlap that 99 of 100 of them do not exceed, metres, to an eighth of it.
     pub p99_penetration: f32,
     /// J.
     pub kinetic_energy: f64,

@@ -18,7 +18,7 @@ const SAME: f32 = 0.99;
 /// Contacts no further apart than so many spacings of the samples are in one place.
 const PLACE: f32 = 3.0;
 
-/// Points of fields that are open by more than this share of the manifold's span beyond the deepest bear no load: next to a line of contact, on a surface that bends away, they would span the larger area.
+/// Points of fields that are open by more than this share of the manifold's span beyond the deepest bear no load, and never take the place of one that does: next to a line of contact, on a surface that bends away, they would span the larger area.
 pub(super) const BEARING: f32 = 1.5e-3;
 
 /// Cosine of the largest angle between the normal of a manifold and that of a point of flat ground: 2°.
@@ -30,7 +30,7 @@ const ON_LINE: f32 = 0.05;
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 2.5e-4;
 
-/// Appends the manifolds of contacts that are no further apart than `margin`, without those that are open by more than the share `bearing` of their span beyond the deepest; `measure` is called for those that are left.
+/// Appends the manifolds of contacts that are no further apart than `margin`. Those that are open by more than the share `bearing` of their span beyond the deepest come in only where the others leave room; `measure` is called for those that are kept.
 pub(crate) fn manifolds(
     contacts: &[Contact],
     margin: f32,
@@ -83,8 +83,8 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let point = |c: &&Contact| ContactPoint { position: c.position, distance: c.distance, feature: c.name };
     let bears = |c: &&&Contact| c.distance - deepest <= bearing * span;
-    let bearing: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
-    let mut manifold = ends(reduce_within(normal, &bearing, start(normal), EQUAL * span));
+    let loaded: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
+    let mut manifold = ends(reduce_within(normal, &loaded, start(normal), EQUAL * span));
     // Room that is left goes to those that will bear when the body tips: on flat ground, where they look exactly the same way.
     let mut open: Vec<ContactPoint> =
         cluster.iter().filter(|c| !bears(c) && c.normal.dot(normal) >= FLAT).map(point).collect();
