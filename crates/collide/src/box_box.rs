@@ -103,7 +103,7 @@ pub(crate) fn collide(
                 let axis = again.filter(|&axis| axis >= 6).unwrap_or(edge);
                 let mut grip = if last.axis == Some(axis) { last.grip } else { Grip::default() };
                 let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
-                let crossing = boxes.crossing(axis, separations[axis]);
+                let (crossing, _) = boxes.crossing(axis, separations[axis]);
                 let manifold =
                     polyhedra::around(&box_a.poly(), &box_b.poly(), b_in_a, margin, &crossing, &mut grip);
                 break 'found (axis, grip, manifold);
@@ -128,7 +128,14 @@ pub(crate) fn collide(
         let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
         let (poly_a, poly_b) = (box_a.poly(), box_b.poly());
         let mut grip = last.grip;
-        match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, margin) {
+        if apart - of_edge <= same {
+            let (closest, cross) = boxes.crossing(edge, apart);
+            if cross {
+                let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
+                break 'found (edge, grip, manifold);
+            }
+        }
+        match gjk::proximity(&poly_a, &poly_b, b_in_a, boxes.towards(face), margin) {
             Proximity::Apart(closest) => {
                 let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
                 (face, grip, manifold)
@@ -232,6 +239,12 @@ impl Boxes {
         }
     }
 
+    /// The normal of face `k` (0–5) that looks from A to B.
+    fn towards(&self, k: usize) -> Vec3 {
+        let axis = if k < 3 { Vec3::AXES[k] } else { self.axes_of_b[k - 3] };
+        if axis.dot(Vec3::from_array(self.t)) < 0.0 { -axis } else { axis }
+    }
+
     /// The incident face seen from reference face `k` (0–5), in the coordinates of that face.
     fn facing(&self, k: usize) -> Facing {
         let reference_is_b = k >= 3;
@@ -317,8 +330,8 @@ impl Boxes {
         reduce_polygon(normal, &points[..count], &mut grip.corners)
     }
 
-    /// The nearest points of the edges of axis `k` (6–14).
-    fn crossing(&self, k: usize, separation: f32) -> Closest {
+    /// The nearest points of the edges of axis `k` (6–14), and whether the edges cross, seen along it.
+    fn crossing(&self, k: usize, separation: f32) -> (Closest, bool) {
         let (i, j) = ((k - 6) / 3, (k - 6) % 3);
         let t = Vec3::from_array(self.t);
         let axis = Vec3::AXES[i].cross(self.axes_of_b[j]).normalize();
@@ -340,7 +353,9 @@ impl Boxes {
         let reach_b = self.b[j] * self.axes_of_b[j];
         let nearest = segments::nearest([on_a - reach_a, on_a + reach_a], [on_b - reach_b, on_b + reach_b]);
         let (on_a, on_b) = nearest.points();
-        Closest { distance: separation, normal, on_a, on_b, feature: feature::pair(name_a, name_b) }
+        let cross = [nearest.s, nearest.t].iter().all(|&x| 0.0 < x && x < 1.0);
+        let feature = feature::pair(name_a, name_b);
+        (Closest { distance: separation, normal, on_a, on_b, feature }, cross)
     }
 }
 

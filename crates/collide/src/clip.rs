@@ -44,24 +44,22 @@ const SHARP: f32 = -0.5;
 /// What is left of `polygon` between the sides of the face with the corners `reference` (counter-clockwise around
 /// `normal`), each side moved out by `slack` metres and sharp corners by twice as much. The sides run along `along`, which is near to the normal or
 /// its opposite: what is left meets the face when it moves that way.
-pub(crate) fn clip(
-    mut polygon: Polygon,
-    reference: &[Vec3],
-    normal: Vec3,
-    along: Vec3,
-    slack: f32,
-) -> Polygon {
+pub(crate) fn clip(polygon: &mut Polygon, reference: &[Vec3], normal: Vec3, along: Vec3, slack: f32) {
     let shear = along / along.dot(normal);
     let n = reference.len();
     let mut from = reference[n - 1];
     let mut before = (from - reference[n - 2]).cross(normal).normalize_or_zero();
-    let mut heights: SmallVec<[f32; 24]> = SmallVec::new();
+    // What was cut is written to the other of two polygons, in turns.
+    let mut spare = Polygon::new();
+    let (mut whole, mut left) = (&mut *polygon, &mut spare);
+    let mut is_spare = false;
     let mut keep = |outward: Vec3, from: Vec3, slack: f32, tag: u8| {
         let outward = outward - outward.dot(shear) * normal;
-        heights.clear();
-        heights.extend(polygon.iter().map(|c| outward.dot(c.position - from) - slack));
-        if heights.iter().any(|&h| h > 0.0) {
-            polygon = cut(&polygon, &heights, tag);
+        let height = |p: Vec3| outward.dot(p - from) - slack;
+        if whole.iter().any(|c| height(c.position) > 0.0) {
+            cut(whole, height, tag, left);
+            std::mem::swap(&mut whole, &mut left);
+            is_spare = !is_spare;
         }
     };
     for (k, &to) in reference.iter().enumerate() {
@@ -78,25 +76,29 @@ pub(crate) fn clip(
         }
         from = to;
     }
-    polygon
+    if is_spare {
+        left.clear();
+        left.extend_from_slice(whole);
+    }
 }
 
-/// The corners of negative height, and new ones where an edge crosses zero.
-fn cut(polygon: &[Corner], heights: &[f32], side: u8) -> Polygon {
-    let mut left = Polygon::new();
-    for (i, here) in polygon.iter().enumerate() {
-        let j = if i + 1 == polygon.len() { 0 } else { i + 1 };
-        let (h0, h1) = (heights[i], heights[j]);
-        if h0 <= 0.0 {
-            left.push(*here);
-        }
+/// Writes the corners of negative height, and new ones where an edge crosses zero.
+fn cut(polygon: &[Corner], height: impl Fn(Vec3) -> f32, side: u8, left: &mut Polygon) {
+    left.clear();
+    let Some(mut here) = polygon.last() else { return };
+    let mut h0 = height(here.position);
+    for next in polygon {
+        let h1 = height(next.position);
         if (h0 <= 0.0) != (h1 <= 0.0) {
-            let position = here.position + (polygon[j].position - here.position) * (h0 / (h0 - h1));
+            let position = here.position + (next.position - here.position) * (h0 / (h0 - h1));
             let (before, after) = if h0 <= 0.0 { (here.after, side) } else { (side, here.after) };
             left.push(Corner { position, before, after });
         }
+        if h1 <= 0.0 {
+            left.push(*next);
+        }
+        (here, h0) = (next, h1);
     }
-    left
 }
 
 /// An end of what is left of a segment: where, and the tags of what cut it.
@@ -149,9 +151,15 @@ mod tests {
         ]
     }
 
+    fn left(corners: [Vec3; 4], reference: &[Vec3], along: Vec3, slack: f32) -> Polygon {
+        let mut polygon = incident(corners.into_iter());
+        clip(&mut polygon, reference, Vec3::Z, along, slack);
+        polygon
+    }
+
     #[test]
     fn a_large_face_is_cut_to_the_reference() {
-        let left = clip(incident(square(5.0, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0);
+        let left = left(square(5.0, 1.0), &square(1.0, 0.0), Vec3::Z, 0.0);
         assert_eq!(left.len(), 4);
         for corner in &left {
             assert!((corner.position.abs() - Vec3::ONE).length() < 1e-6);
@@ -161,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_small_face_stays_whole() {
-        let left = clip(incident(square(0.5, 1.0).into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0);
+        let left = left(square(0.5, 1.0), &square(1.0, 0.0), Vec3::Z, 0.0);
         assert_eq!(left.iter().map(|c| c.position).collect::<Vec<_>>(), square(0.5, 1.0));
         assert_eq!(left.iter().map(|c| c.after).collect::<Vec<_>>(), [0, 1, 2, 3]);
     }
@@ -171,7 +179,7 @@ mod tests {
         // Lifted by 1 and moved along x by 0.1, which is where the direction leads.
         let along = Vec3::new(0.1, 0.0, 1.0).normalize();
         let moved = square(1.0, 1.0).map(|p| p + 0.1 * Vec3::X);
-        let left = clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, along, 1e-6);
+        let left = left(moved, &square(1.0, 0.0), along, 1e-6);
         assert_eq!(left.iter().map(|c| c.position).collect::<Vec<_>>(), moved);
     }
 
@@ -179,7 +187,7 @@ mod tests {
     fn a_sharp_corner_does_not_reach_far() {
         // A splinter 10 m long and 2 mm wide at its end: moved out by 1 mm, its sides meet 10 m further on.
         let splinter = [Vec3::ZERO, Vec3::new(10.0, -1e-3, 0.0), Vec3::new(10.0, 1e-3, 0.0)];
-        let left = clip(incident(square(50.0, 1.0).into_iter()), &splinter, Vec3::Z, Vec3::Z, 1e-3);
+        let left = left(square(50.0, 1.0), &splinter, Vec3::Z, 1e-3);
         assert!(left.iter().all(|c| c.position.x > -2.1e-3 && c.position.x < 10.01), "{}", left.len());
         assert!(left.len() >= 3);
     }
@@ -187,6 +195,6 @@ mod tests {
     #[test]
     fn a_face_beside_the_reference_is_gone() {
         let moved = square(0.5, 1.0).map(|p| p + 3.0 * Vec3::X);
-        assert!(clip(incident(moved.into_iter()), &square(1.0, 0.0), Vec3::Z, Vec3::Z, 0.0).is_empty());
+        assert!(left(moved, &square(1.0, 0.0), Vec3::Z, 0.0).is_empty());
     }
 }

@@ -8,7 +8,7 @@ use crate::poly::Poly;
 use crate::sat::{edge_axis, preference};
 use crate::segments;
 use crate::{ContactPoint, Manifold};
-use rockfall_math::{Isometry, Vec3};
+use rockfall_math::Vec3;
 
 /// Cosine of the angle between the normal and a face above which a segment lies on that face: 11 degrees.
 const FACE_COSINE: f32 = 0.98;
@@ -27,7 +27,7 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Result<Closest, f32> {
     }
     // Inside, the nearest face is the highest one; outside, it is if the point is above the face itself.
     let (f, height) = best;
-    if height <= 0.0 || above_face(a, f, p) {
+    if height <= 0.0 || is_above(a, f, p) {
         let normal = a.normals[f];
         return Ok(Closest {
             distance: height,
@@ -37,7 +37,7 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Result<Closest, f32> {
             feature: feature::pair(f, 0xfe),
         });
     }
-    match gjk::proximity(a.vertices, &[p], &Isometry::IDENTITY, limit) {
+    match gjk::proximity_to_points(a, &[p], a.normals[f], limit) {
         Proximity::Apart(closest) => Ok(closest),
         Proximity::Beyond(axis) => Err(apart(a, &[p], axis).max(limit)),
         // On an edge or a corner, to the last digit.
@@ -51,7 +51,8 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Result<Closest, f32> {
     }
 }
 
-fn above_face(a: &Poly, f: usize, p: Vec3) -> bool {
+/// Whether a point is between the sides of face `f`.
+pub(crate) fn is_above(a: &Poly, f: usize, p: Vec3) -> bool {
     sides(a, f).all(|(corner, outward)| outward.dot(p - corner) <= 0.0)
 }
 
@@ -67,7 +68,7 @@ fn sides<'a>(a: &Poly<'a>, f: usize) -> impl Iterator<Item = (Vec3, Vec3)> + use
 
 /// A segment near a polyhedron, or in it, no further than `limit`.
 pub(crate) fn segment(a: &Poly, core: [Vec3; 2], limit: f32) -> Option<Closest> {
-    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, limit) {
+    match gjk::proximity_to_points(a, &core, core[0].midpoint(core[1]) - a.center, limit) {
         Proximity::Beyond(_) => None,
         Proximity::Apart(closest) => Some(closest),
         Proximity::Overlap => Some(least_overlap(a, core).least()),
@@ -84,7 +85,7 @@ fn apart(a: &Poly, points: &[Vec3], axis: Vec3) -> f32 {
 /// The manifold of a polyhedron and a segment with a skin of `radius`, or how far apart they are at least: two points where
 /// it lies on a face.
 pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f32) -> Result<Manifold, f32> {
-    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, margin + radius) {
+    match gjk::proximity_to_points(a, &core, core[0].midpoint(core[1]) - a.center, margin + radius) {
         Proximity::Beyond(axis) => Err((apart(a, &core, axis) - radius).max(margin)),
         Proximity::Apart(closest) => {
             let nearest = closest.with_skins(0.0, radius);

@@ -7,6 +7,8 @@
 
 use crate::closest::Closest;
 use crate::feature;
+use crate::poly::{Poly, Wide};
+use rockfall_math::lanes::{Kernel, Lanes, Width};
 use rockfall_math::{DVec3, Isometry, Vec3};
 
 /// A convex set that the walk can ask for its furthest point.
@@ -98,12 +100,22 @@ struct Corner<A, B> {
     b: B,
 }
 
-/// Up to three corners around the point nearest to the origin, with its barycentric coordinates.
+/// Up to three corners around the point nearest to the origin, with its barycentric coordinates, and room for one more.
 #[derive(Clone, Copy, Default)]
 struct Simplex<A, B> {
     corners: [Corner<A, B>; 4],
-    weights: [f64; 4],
+    weights: [f64; 3],
     count: usize,
+}
+
+/// The part of a simplex that holds its point nearest to the origin.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    picks: [usize; 3],
+    weights: [f64; 3],
+    count: usize,
+    /// The nearest point.
+    point: DVec3,
 }
 
 /// Relative gap between the upper and the lower bound of the squared distance at which the walk ends.
@@ -116,10 +128,70 @@ const TOUCH: f64 = 1e-9;
 /// circles.
 const MAX_STEPS: usize = 64;
 
-/// The nearest points of the convex hulls of `a` and of `b`, the latter placed in A's frame by `b_in_a`; no further
-/// than `limit` metres.
-pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, limit: f32) -> Proximity {
-    match walk(a, b, &Placed::new(b_in_a), f64::from(limit)) {
+/// The nearest points of two polyhedra, the second placed in A's frame by `b_in_a`; no further
+/// than `limit` metres. The walk starts from the points that are furthest `towards` the other set, seen from A; the nearer that is to
+/// the normal, the shorter the walk.
+pub(crate) fn proximity(a: &Poly, b: &Poly, b_in_a: &Isometry, towards: Vec3, limit: f32) -> Proximity {
+    Width::native().run(Polyhedra { a, b, b_in_a, towards, limit })
+}
+
+/// The same for the convex hull of a few points in A's frame.
+pub(crate) fn proximity_to_points(a: &Poly, b: &[Vec3], towards: Vec3, limit: f32) -> Proximity {
+    Width::native().run(PolyAndPoints { a, b, towards, limit })
+}
+
+/// The same for the convex hulls of few points, both in one frame.
+pub(crate) fn proximity_of_points(a: &[Vec3], b: &[Vec3], towards: Vec3, limit: f32) -> Proximity {
+    walk_towards(a, b, &Isometry::IDENTITY, towards, limit)
+}
+
+struct Polyhedra<'a> {
+    a: &'a Poly<'a>,
+    b: &'a Poly<'a>,
+    b_in_a: &'a Isometry,
+    towards: Vec3,
+    limit: f32,
+}
+
+impl Kernel for Polyhedra<'_> {
+    type Output = Proximity;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, token: L::Token) -> Proximity {
+        let Polyhedra { a, b, b_in_a, towards, limit } = self;
+        walk_towards(&Wide::<L> { poly: a, token }, &Wide::<L> { poly: b, token }, b_in_a, towards, limit)
+    }
+}
+
+struct PolyAndPoints<'a> {
+    a: &'a Poly<'a>,
+    b: &'a [Vec3],
+    towards: Vec3,
+    limit: f32,
+}
+
+impl Kernel for PolyAndPoints<'_> {
+    type Output = Proximity;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, token: L::Token) -> Proximity {
+        let PolyAndPoints { a, b, towards, limit } = self;
+        walk_towards(&Wide::<L> { poly: a, token }, b, &Isometry::IDENTITY, towards, limit)
+    }
+}
+
+/// See [`proximity`].
+#[inline(always)]
+fn walk_towards<A: Core + ?Sized, B: Core + ?Sized>(
+    a: &A,
+    b: &B,
+    b_in_a: &Isometry,
+    towards: Vec3,
+    limit: f32,
+) -> Proximity {
+    let (placed, towards) = (Placed::new(b_in_a), towards.as_dvec3());
+    let first = (a.support(towards), b.support(placed.back(-towards)));
+    match walk_from(first, a, b, &placed, f64::from(limit), GAP) {
         Walk::Apart(near) => Proximity::Apart(near.closest()),
         Walk::Beyond(axis) => Proximity::Beyond(axis.as_vec3()),
         Walk::Overlap => Proximity::Overlap,
@@ -139,11 +211,24 @@ pub(crate) fn walk_until<A: Core + ?Sized, B: Core + ?Sized>(
     limit: f64,
     gap: f64,
 ) -> Walk {
+    walk_from((a.first(), b.first()), a, b, placed, limit, gap)
+}
+
+/// The same from a point of each set.
+#[inline(always)]
+fn walk_from<A: Core + ?Sized, B: Core + ?Sized>(
+    first: (A::Vertex, B::Vertex),
+    a: &A,
+    b: &B,
+    placed: &Placed,
+    limit: f64,
+    gap: f64,
+) -> Walk {
     let corner =
         |ia: A::Vertex, ib: B::Vertex| Corner { w: a.point(ia) - placed.point(b.point(ib)), a: ia, b: ib };
 
-    let mut simplex = Simplex { count: 1, weights: [1.0, 0.0, 0.0, 0.0], ..Simplex::default() };
-    simplex.corners[0] = corner(a.first(), b.first());
+    let mut simplex = Simplex { count: 1, weights: [1.0, 0.0, 0.0], ..Simplex::default() };
+    simplex.corners[0] = corner(first.0, first.1);
     let mut v = simplex.corners[0].w;
     let mut scale = v.length_squared();
     // Whether a plane was found between the sets.
@@ -163,23 +248,20 @@ pub(crate) fn walk_until<A: Core + ?Sized, B: Core + ?Sized>(
         if known || squared - bound <= gap * squared {
             break;
         }
-        let mut grown = simplex;
-        grown.corners[grown.count] = next;
-        grown.count += 1;
+        simplex.corners[simplex.count] = next;
         apart |= bound > 0.0 && bound * bound > TOUCH * TOUCH * scale * squared;
-        let Some(reduced) = nearest(&grown) else {
+        let Some(part) = nearest(&simplex.corners.map(|c| c.w), simplex.count + 1) else {
             // Of four corners that are nearly in a plane rounding may say that the origin is among them.
             if apart {
                 break;
             }
             return Walk::Overlap;
         };
-        let better = reduced.point();
-        if better.length_squared() >= squared {
+        if part.point.length_squared() >= squared {
             break;
         }
-        simplex = reduced;
-        v = better;
+        v = part.point;
+        simplex.reduce(&part);
     }
 
     let distance = v.length();
@@ -226,22 +308,34 @@ impl Placed {
     }
 }
 
-impl<A: Copy + Default, B: Copy + Default> Simplex<A, B> {
-    /// The corners named in `pick`, with these weights, those of no weight left out.
-    fn of(&self, pick: &[(usize, f64)]) -> Self {
-        let mut s = Simplex::default();
+impl Part {
+    /// The corners with these numbers and weights, those of no weight left out.
+    fn of(corners: &[DVec3; 4], pick: &[(usize, f64)]) -> Self {
+        let mut part = Part::default();
         for &(i, weight) in pick {
             if weight > 0.0 {
-                s.corners[s.count] = self.corners[i];
-                s.weights[s.count] = weight;
-                s.count += 1;
+                part.picks[part.count] = i;
+                part.weights[part.count] = weight;
+                part.point += weight * corners[i];
+                part.count += 1;
             }
         }
-        s
+        part
     }
 
-    fn point(&self) -> DVec3 {
-        (0..self.count).fold(DVec3::ZERO, |v, i| v + self.weights[i] * self.corners[i].w)
+    /// The one that is nearer, the first of equals.
+    fn or_nearer(self, other: Part) -> Self {
+        if other.point.length_squared() < self.point.length_squared() { other } else { self }
+    }
+}
+
+impl<A: Copy + Default, B: Copy + Default> Simplex<A, B> {
+    fn reduce(&mut self, part: &Part) {
+        let corners = self.corners;
+        for (corner, &i) in self.corners.iter_mut().zip(&part.picks[..part.count]) {
+            *corner = corners[i];
+        }
+        (self.weights, self.count) = (part.weights, part.count);
     }
 
     /// Names the corner or edge of each set that holds the nearest point; all faces share a name.
@@ -265,75 +359,58 @@ impl<A: Copy + Default, B: Copy + Default> Simplex<A, B> {
     }
 }
 
-/// The part of the simplex that holds its point nearest to the origin; nothing where the origin is inside.
-fn nearest<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B>) -> Option<Simplex<A, B>> {
-    Some(match s.count {
-        2 => nearest_on_segment(s, 0, 1),
-        3 => nearest_on_triangle(s, 0, 1, 2),
-        _ => return nearest_on_tetrahedron(s),
+/// The part of the simplex of the first `count` corners that holds its point nearest to the origin; nothing where the origin is inside.
+fn nearest(corners: &[DVec3; 4], count: usize) -> Option<Part> {
+    Some(match count {
+        2 => nearest_on_segment(corners, 0, 1),
+        3 => nearest_on_triangle(corners, 0, 1, 2),
+        _ => return nearest_on_tetrahedron(corners),
     })
 }
 
-fn nearest_on_segment<A: Copy + Default, B: Copy + Default>(
-    s: &Simplex<A, B>,
-    i: usize,
-    j: usize,
-) -> Simplex<A, B> {
-    let (a, b) = (s.corners[i].w, s.corners[j].w);
+fn nearest_on_segment(corners: &[DVec3; 4], i: usize, j: usize) -> Part {
+    let (a, b) = (corners[i], corners[j]);
     let ab = b - a;
     let t = -a.dot(ab);
     let squared = ab.length_squared();
     if t <= 0.0 {
-        s.of(&[(i, 1.0)])
+        Part::of(corners, &[(i, 1.0)])
     } else if t >= squared {
-        s.of(&[(j, 1.0)])
+        Part::of(corners, &[(j, 1.0)])
     } else {
         let t = t / squared;
-        s.of(&[(i, 1.0 - t), (j, t)])
+        Part::of(corners, &[(i, 1.0 - t), (j, t)])
     }
 }
 
-fn nearest_on_triangle<A: Copy + Default, B: Copy + Default>(
-    s: &Simplex<A, B>,
-    i: usize,
-    j: usize,
-    k: usize,
-) -> Simplex<A, B> {
-    let (a, b, c) = (s.corners[i].w, s.corners[j].w, s.corners[k].w);
+fn nearest_on_triangle(corners: &[DVec3; 4], i: usize, j: usize, k: usize) -> Part {
+    let (a, b, c) = (corners[i], corners[j], corners[k]);
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     // Twice the signed areas of the triangles that the origin, seen along the normal, makes with the edges.
     let (u, v, w) = (b.cross(c).dot(normal), c.cross(a).dot(normal), a.cross(b).dot(normal));
     if u > 0.0 && v > 0.0 && w > 0.0 {
         let sum = u + v + w;
-        return s.of(&[(i, u / sum), (j, v / sum), (k, w / sum)]);
+        return Part::of(corners, &[(i, u / sum), (j, v / sum), (k, w / sum)]);
     }
-    let mut best = nearest_on_segment(s, i, j);
-    for (p, q) in [(j, k), (k, i)] {
-        let other = nearest_on_segment(s, p, q);
-        if other.point().length_squared() < best.point().length_squared() {
-            best = other;
-        }
-    }
-    best
+    nearest_on_segment(corners, i, j)
+        .or_nearer(nearest_on_segment(corners, j, k))
+        .or_nearer(nearest_on_segment(corners, k, i))
 }
 
-fn nearest_on_tetrahedron<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B>) -> Option<Simplex<A, B>> {
-    let w: [DVec3; 4] = std::array::from_fn(|i| s.corners[i].w);
+fn nearest_on_tetrahedron(w: &[DVec3; 4]) -> Option<Part> {
     let volume = (w[1] - w[0]).cross(w[2] - w[0]).dot(w[3] - w[0]);
     let span = (w[1] - w[0]).length() * (w[2] - w[0]).length() * (w[3] - w[0]).length();
     // A flat tetrahedron has no inside: each of its faces is asked.
     let flat = volume.abs() <= 1e-14 * span;
-    let mut best: Option<Simplex<A, B>> = None;
+    let mut best: Option<Part> = None;
     for [i, j, k, l] in [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 3, 2, 0]] {
         let normal = (w[j] - w[i]).cross(w[k] - w[i]);
         let origin_side = -w[i].dot(normal);
         let inner_side = (w[l] - w[i]).dot(normal);
         if flat || origin_side * inner_side < 0.0 {
-            let other = nearest_on_triangle(s, i, j, k);
-            if best.is_none_or(|b| other.point().length_squared() < b.point().length_squared()) {
-                best = Some(other);
-            }
+            let other = nearest_on_triangle(w, i, j, k);
+            best = Some(best.map_or(other, |best| best.or_nearer(other)));
         }
     }
     best
@@ -343,8 +420,12 @@ fn nearest_on_tetrahedron<A: Copy + Default, B: Copy + Default>(s: &Simplex<A, B
 mod tests {
     use super::*;
 
+    fn near(a: &[Vec3], b: &[Vec3], limit: f32) -> Proximity {
+        proximity_of_points(a, b, Vec3::Z, limit)
+    }
+
     fn apart(a: &[Vec3], b: &[Vec3]) -> Closest {
-        match proximity(a, b, &Isometry::IDENTITY, f32::INFINITY) {
+        match near(a, b, f32::INFINITY) {
             Proximity::Apart(c) => c,
             _ => panic!("the sets do not overlap"),
         }
@@ -364,7 +445,7 @@ mod tests {
     #[test]
     fn a_point_inside_overlaps_and_a_far_one_is_beyond() {
         let tetrahedron = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-        let at = |p: Vec3, limit: f32| proximity(&tetrahedron, &[p], &Isometry::IDENTITY, limit);
+        let at = |p: Vec3, limit: f32| near(&tetrahedron, &[p], limit);
         assert!(matches!(at(Vec3::splat(0.2), 1.0), Proximity::Overlap));
         assert!(matches!(at(Vec3::splat(5.0), 1.0), Proximity::Beyond(d) if d.dot(Vec3::ONE) > 0.0));
         assert!(matches!(at(Vec3::splat(0.0), 1.0), Proximity::Overlap));
@@ -374,9 +455,6 @@ mod tests {
     fn sets_of_one_repeated_point_are_no_trouble() {
         let c = apart(&[Vec3::ZERO; 5], &[Vec3::X; 7]);
         assert_eq!((c.distance, c.normal), (1.0, Vec3::X));
-        assert!(matches!(
-            proximity(&[Vec3::ONE; 3], &[Vec3::ONE; 3], &Isometry::IDENTITY, 1.0),
-            Proximity::Overlap
-        ));
+        assert!(matches!(near(&[Vec3::ONE; 3], &[Vec3::ONE; 3], 1.0), Proximity::Overlap));
     }
 }

@@ -242,8 +242,8 @@ fn cut(
     points: &mut SmallVec<[ContactPoint; 24]>,
 ) {
     let names = feature::faces(reference_is_b, reference.face, incident.face);
-    let polygon = clip::incident(incident.corners.iter().copied());
-    let left = clip::clip(polygon, &reference.corners, reference.outward, cores.normal, slack);
+    let mut left = clip::incident(incident.corners.iter().copied());
+    clip::clip(&mut left, &reference.corners, reference.outward, cores.normal, slack);
     points.extend(left.iter().map(|c| {
         let distance = gap(reference, c.position, cores);
         let name = feature::corner(names, c.before, c.after);

@@ -7,9 +7,9 @@ use crate::feature;
 use crate::gjk::{self, Proximity};
 use crate::poly::Poly;
 use crate::reduce::{reduce, reduce_polygon};
-use crate::sat::{self, Axis, Kind};
+use crate::sat::{self, Axis, Choice, Kind, preference};
 use crate::segments;
-use crate::{Cache, ContactPoint, Manifold};
+use crate::{Cache, ContactPoint, Manifold, core_poly};
 use rockfall_math::{Isometry, Vec3};
 use smallvec::SmallVec;
 
@@ -34,37 +34,124 @@ pub(crate) fn collide(
             return apart;
         }
     }
-    match gjk::proximity(a.vertices, b.vertices, b_in_a, margin) {
+    let faces = sat::best_faces(a, b, b_in_a);
+    let widest = if faces[1].separation > faces[0].separation { faces[1] } else { faces[0] };
+    if widest.separation > margin {
+        cache.word = direction::pack(widest.normal);
+        return surely_apart(a, b, b_in_a, widest.normal).max(margin);
+    }
+    // Closed forms while they apply; none do where a corner is nearest to an edge or to a corner, or where the overlap is no more than rounding.
+    let (known, choice) = if widest.separation > 0.0 {
+        let crossing =
+            || between_edges(a, b, b_in_a, sat::best_edges(a, b, b_in_a, margin)?, widest.separation);
+        (over_faces(a, b, b_in_a, faces).or_else(crossing), None)
+    } else {
+        let choice = sat::least_overlap(a, b, b_in_a, faces);
+        let manifold = overlapping(a, b, b_in_a, margin, &choice);
+        if overlap_at(a, b, b_in_a, &manifold) {
+            cache.word = direction::pack(manifold.normal);
+            out.push(manifold);
+            return 0.0;
+        }
+        (choice.edges.and_then(|edges| between_edges(a, b, b_in_a, edges, 0.0)), Some(choice))
+    };
+    let proximity = match known {
+        Some(closest) if closest.distance > margin => Proximity::Beyond(closest.normal),
+        Some(closest) => Proximity::Apart(closest),
+        None => {
+            let towards = choice.as_ref().map_or(widest.normal, |choice| choice.least.normal);
+            gjk::proximity(a, b, b_in_a, towards, margin)
+        }
+    };
+    let manifold = match proximity {
         Proximity::Beyond(axis) => {
             cache.word = direction::pack(axis);
             return surely_apart(a, b, b_in_a, axis.normalize()).max(margin);
         }
-        Proximity::Apart(closest) => {
-            cache.word = direction::pack(closest.normal);
-            out.push(around(a, b, b_in_a, margin, &closest, &mut Grip::default()));
-        }
+        Proximity::Apart(closest) => around(a, b, b_in_a, margin, &closest, &mut Grip::default()),
         Proximity::Overlap => {
-            let choice = sat::least_overlap(a, b, b_in_a);
-            let radius = a.inner_radius.min(b.inner_radius);
-            let steady = choice.steady.separation;
-            // The preferred face must have points to show for it.
-            let manifold = overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
-                .filter(|m| m.deepest() <= steady + sat::preference(radius, steady))
-                .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
-                .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)));
-            cache.word = direction::pack(manifold.normal);
-            out.push(manifold);
+            let choice = choice.unwrap_or_else(|| sat::least_overlap(a, b, b_in_a, faces));
+            overlapping(a, b, b_in_a, margin, &choice)
         }
-    }
+    };
+    cache.word = direction::pack(manifold.normal);
+    out.push(manifold);
     0.0
+}
+
+/// Cosine of the angle between two faces below which they are not parallel: 14 mrad.
+const PARALLEL: f32 = 0.9999;
+
+/// The nearest points of polyhedra that are apart, if their distance is that of a face of one from the other: the largest separation
+/// along a face is a lower bound of the distance, and a point over that face an upper one.
+fn over_faces(a: &Poly, b: &Poly, b_in_a: &Isometry, faces: [Axis; 2]) -> Option<Closest> {
+    let [of_a, of_b] = faces.map(|axis| axis.separation);
+    let (distance, same) = (of_a.max(of_b), rounding(a, b, b_in_a));
+    faces.into_iter().filter(|axis| distance - axis.separation <= same).find_map(|axis| {
+        let normal = axis.normal;
+        let on_b = matches!(axis.kind, Kind::FaceOfB(_));
+        let is_over = |p: Vec3| match axis.kind {
+            Kind::FaceOfB(f) => core_poly::is_above(b, f, b_in_a.inverse_point(p)),
+            Kind::FaceOfA(f) | Kind::Edges(f, _) => core_poly::is_above(a, f, p),
+        };
+        let half = 0.5 * distance * normal;
+        let corner = corner(a, b, b_in_a, &axis).position;
+        let at = if is_over(corner) {
+            corner
+        } else {
+            // Of parallel faces a point between the corners may be over the other where none of them is.
+            let (_, cosine) = if on_b {
+                a.face_at_support(normal)
+            } else {
+                b.face_at_support(-b_in_a.inverse_vector(normal))
+            };
+            if cosine < PARALLEL {
+                return None;
+            }
+            let points = over_face(a, b, b_in_a, distance + same, 0.0, &axis);
+            middle(points.iter()).filter(|&p| is_over(p))?
+        };
+        Some(Closest { distance, normal, on_a: at - half, on_b: at + half, feature: feature::pair(0, 0) })
+    })
+}
+
+/// The nearest points of two edges that separate by more than any face does: that is the distance then, since they cross.
+fn between_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, edges: Axis, widest: f32) -> Option<Closest> {
+    let Kind::Edges(i, j) = edges.kind else { return None };
+    (edges.separation > widest + rounding(a, b, b_in_a)).then(|| crossing(a, b, b_in_a, &edges, i, j))
+}
+
+/// The manifold of polyhedra that overlap.
+fn overlapping(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, choice: &Choice) -> Manifold {
+    let radius = a.inner_radius.min(b.inner_radius);
+    let steady = choice.steady.separation;
+    // The preferred face must have points to show for it.
+    overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
+        .filter(|m| m.deepest() <= steady + preference(radius, steady))
+        .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
+        .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)))
+}
+
+/// Whether a manifold proves that its polyhedra overlap: between points half-way through the overlap lies one that is in both.
+fn overlap_at(a: &Poly, b: &Poly, b_in_a: &Isometry, manifold: &Manifold) -> bool {
+    middle(manifold.points().iter().filter(|p| p.distance < 0.0))
+        .is_some_and(|p| a.holds(p) && b.holds(b_in_a.inverse_point(p)))
+}
+
+/// The mean of some points, if there are any.
+fn middle<'a>(points: impl Iterator<Item = &'a ContactPoint>) -> Option<Vec3> {
+    let (sum, count) = points.fold((Vec3::ZERO, 0.0), |(sum, count), p| (sum + p.position, count + 1.0));
+    (count > 0.0).then(|| sum / count)
 }
 
 /// Signed distance of two polyhedra.
 pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
-    if let Proximity::Apart(closest) = gjk::proximity(a.vertices, b.vertices, b_in_a, f32::INFINITY) {
+    if let Proximity::Apart(closest) =
+        gjk::proximity(a, b, b_in_a, b_in_a.point(b.center) - a.center, f32::INFINITY)
+    {
         return closest;
     }
-    let choice = sat::least_overlap(a, b, b_in_a);
+    let choice = sat::least_overlap(a, b, b_in_a, sat::best_faces(a, b, b_in_a));
     let same = rounding(a, b, b_in_a);
     let deepest = |axis: &Axis, slack: f32| {
         if let Kind::Edges(i, j) = axis.kind {
@@ -185,8 +272,8 @@ fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axi
             (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
         }
     };
-    let polygon =
-        clip::clip(clip::incident(incident.iter().copied()), &reference, outward, axis.normal, slack);
+    let mut polygon = clip::incident(incident.iter().copied());
+    clip::clip(&mut polygon, &reference, outward, axis.normal, slack);
 
     // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.
     let lean = outward.dot(axis.normal);

@@ -4,10 +4,12 @@
 //! check of every promise. Faces merge by a tolerance; should the outcome break a promise, which no known
 //! points make it do, cooking starts again without, and all faces are triangles.
 
+mod blocks;
 mod check;
 mod merge;
 mod quickhull;
 
+pub use blocks::{CornerBlock, FaceBlock, HULL_LANES, HullBlocks};
 pub use check::HullDefect;
 
 use crate::polyhedron::moments;
@@ -37,6 +39,8 @@ pub struct Hull {
     pub center: Vec3,
     /// Distance from `center` to the nearest face.
     pub inner_radius: f32,
+    /// Corners and faces once more, sixteen side by side.
+    pub blocks: HullBlocks,
 }
 
 /// An edge of a [`Hull`] with the two faces that it joins.
@@ -213,6 +217,7 @@ impl Hull {
             edges: Vec::new(),
             center: Vec3::ZERO,
             inner_radius: 0.0,
+            blocks: HullBlocks::default(),
         };
         let points: Vec<DVec3> = hull.vertices.iter().map(|v| v.as_dvec3()).collect();
         for corners in faces {
@@ -242,6 +247,7 @@ impl Hull {
         let depth =
             hull.normals.iter().zip(&hull.offsets).map(|(n, &o)| f64::from(o) - n.as_dvec3().dot(center));
         hull.inner_radius = depth.fold(f64::INFINITY, f64::min) as f32;
+        hull.blocks = HullBlocks::of(&hull);
         hull
     }
 

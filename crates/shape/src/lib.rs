@@ -25,7 +25,9 @@ pub use field::{
 };
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
-pub use hull::{Hull, HullDefect, HullEdge, HullError, MAX_CORNERS};
+pub use hull::{
+    CornerBlock, FaceBlock, HULL_LANES, Hull, HullBlocks, HullDefect, HullEdge, HullError, MAX_CORNERS,
+};
 pub use kind::ShapeError;
 pub use mass::MassProperties;
 pub use mesh::{EdgeKind, Mesh, MeshError, MeshReport, NearestOnMesh, TrianglePart, nearest_on_triangle};

@@ -2,10 +2,10 @@
 
 use super::facet::Facet;
 use super::{Placed, Probe, Surface, Touch};
-use crate::gjk::{Proximity, proximity};
+use crate::gjk::{Proximity, proximity_of_points};
 use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
-use rockfall_math::{Isometry, Vec3};
+use rockfall_math::Vec3;
 
 /// Cosine of 2°: contacts whose normals differ less share a manifold.
 const SAME: f32 = 0.999_39;
@@ -98,7 +98,8 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
 
 /// Whether A's core overlaps the triangle.
 fn crosses(core: &[Vec3], facet: &Facet) -> bool {
-    matches!(proximity(core, &facet.corners, &Isometry::IDENTITY, 0.0), Proximity::Overlap)
+    let way = proximity_of_points(core, &facet.corners, -facet.normal, 0.0);
+    matches!(way, Proximity::Overlap)
 }
 
 /// Drops what has passed a closed surface: points of A's core behind a triangle, but not in the surface any more; and, where anything overlaps less, what would push A out through it: one triangle alone may know no shorter way.

@@ -2,6 +2,7 @@
 
 use super::Lanes;
 use fearless_simd::{Level, Simd, SimdBase, f32x4, f32x8, f32x16};
+use std::sync::OnceLock;
 
 /// Code that runs at any width. Everything that it calls must be `#[inline(always)]`, or the instructions of the
 /// wide registers don't reach it.
@@ -28,7 +29,9 @@ pub enum Width {
 impl Width {
     /// As many lanes as the machine's registers have.
     pub fn native() -> Self {
-        Self::new(0)
+        /// The machine is asked once.
+        static NATIVE: OnceLock<Width> = OnceLock::new();
+        *NATIVE.get_or_init(|| Self::new(0))
     }
 
     /// `lanes` lanes; for a number other than 1, 4, 8 or 16 as many as the machine's registers have.

@@ -1,5 +1,6 @@
 //! Does a hull keep its promises? Everything that the pair functions rely on, derived anew.
 
+use super::blocks::HullBlocks;
 use super::{Hull, slack};
 use rockfall_math::{Aabb, DVec3};
 
@@ -46,6 +47,9 @@ pub enum HullDefect {
     /// The box, centre or inner radius do not belong to the corners.
     #[error("its box, centre or inner radius are wrong")]
     Summary,
+    /// The blocks say something else than the columns.
+    #[error("its blocks differ from its columns")]
+    Blocks,
 }
 
 impl Hull {
@@ -63,11 +67,10 @@ impl Hull {
             |f: usize| f64::from(self.offsets[f]) - self.normals[f].as_dvec3().dot(self.center.as_dvec3());
         let inner = (0..self.normals.len()).map(deepest).fold(f64::INFINITY, f64::min);
         let fits = (inner - f64::from(self.inner_radius)).abs() <= slack(&self.vertices);
-        if inner > 0.0 && fits && self.bounds == Aabb::from_points(self.vertices.iter().copied()) {
-            Ok(())
-        } else {
-            Err(HullDefect::Summary)
+        if inner <= 0.0 || !fits || self.bounds != Aabb::from_points(self.vertices.iter().copied()) {
+            return Err(HullDefect::Summary);
         }
+        if self.blocks == HullBlocks::of(self) { Ok(()) } else { Err(HullDefect::Blocks) }
     }
 
     fn check_layout(&self) -> Result<(), HullDefect> {

@@ -226,6 +226,7 @@ fn a_broken_hull_does_not_pass_the_check() {
     assert_eq!(broken(|h| h.offsets[1] -= 0.01), HullDefect::Plane { face: 1, vertex: 0 });
     assert_eq!(broken(|h| h.offsets[1] += 0.01), HullDefect::Plane { face: 1, vertex: 0 });
     assert_eq!(broken(|h| h.inner_radius = 0.9), HullDefect::Summary);
+    assert_eq!(broken(|h| h.blocks.corners[0][1][7] = 0.9), HullDefect::Blocks);
 }
 
 #[test]

@@ -1,0 +1,74 @@
+//! Corners and faces of a hull sixteen side by side, and the faces around each corner: what loops over all of them read.
+
+use super::Hull;
+use rockfall_math::Vec3;
+
+/// Numbers side by side in a block.
+pub const HULL_LANES: usize = 16;
+
+/// x, y and z of sixteen corners, the last one repeated where there are fewer.
+pub type CornerBlock = [[f32; HULL_LANES]; 3];
+
+/// x, y and z of the normals of sixteen faces, and their offsets; idle faces have no direction, and are infinitely far out, so that
+/// nothing is ever beyond them.
+pub type FaceBlock = [[f32; HULL_LANES]; 4];
+
+/// What follows from the columns of a [`Hull`], in another layout.
+#[derive(Clone, Default, PartialEq)]
+pub struct HullBlocks {
+    /// All corners.
+    pub corners: Vec<CornerBlock>,
+    /// All faces.
+    pub faces: Vec<FaceBlock>,
+    /// `rings[ring_starts[v]..ring_starts[v + 1]]` are the faces around corner v, ascending.
+    pub ring_starts: Vec<u32>,
+    /// Face indices, see `ring_starts`.
+    pub rings: Vec<u32>,
+    /// Distance of the farthest corner from the origin, metres.
+    pub radius: f32,
+}
+
+impl HullBlocks {
+    pub(super) fn of(hull: &Hull) -> Self {
+        let faces: Vec<(Vec3, f32)> =
+            hull.normals.iter().copied().zip(hull.offsets.iter().copied()).collect();
+        let mut rings = vec![Vec::new(); hull.vertices.len()];
+        for f in 0..faces.len() {
+            hull.face(f).iter().for_each(|&v| rings[v as usize].push(f as u32));
+        }
+        let ends = rings.iter().scan(0, |end, ring| {
+            *end += ring.len() as u32;
+            Some(*end)
+        });
+        HullBlocks {
+            corners: hull.vertices.chunks(HULL_LANES).map(corner_block).collect(),
+            faces: faces.chunks(HULL_LANES).map(face_block).collect(),
+            ring_starts: std::iter::once(0).chain(ends).collect(),
+            rings: rings.concat(),
+            radius: hull.vertices.iter().fold(0.0, |most, v| v.length().max(most)),
+        }
+    }
+}
+
+/// One to sixteen corners.
+fn corner_block(corners: &[Vec3]) -> CornerBlock {
+    std::array::from_fn(|k| std::array::from_fn(|l| corners[l.min(corners.len() - 1)][k]))
+}
+
+/// Up to sixteen faces.
+fn face_block(faces: &[(Vec3, f32)]) -> FaceBlock {
+    let face = |l: usize| faces.get(l).copied().unwrap_or((Vec3::ZERO, f32::INFINITY));
+    std::array::from_fn(|k| {
+        std::array::from_fn(|l| {
+            let (normal, offset) = face(l);
+            if k < 3 { normal[k] } else { offset }
+        })
+    })
+}
+
+/// They say nothing that the columns of the hull don't.
+impl std::fmt::Debug for HullBlocks {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("HullBlocks")
+    }
+}
