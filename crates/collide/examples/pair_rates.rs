@@ -1,13 +1,14 @@
-//! Prints how long the pair functions take, in nanoseconds per pair, on one thread; beside them, in turns on the same pairs, `parry3d`'s contact manifolds, and
-//! how many times as long those take. Build it with `--release`; a word narrows it to the sets whose name has it.
+//! Prints how long the pair functions take, in nanoseconds per pair, on one thread: each pair alone, and many together; beside them, in turns on the same
+//! pairs, `parry3d`'s contact manifolds, and how many times as long as together those take. Build it with `--release`; a word narrows it to the sets whose name has it.
 
 use parry3d::math::{Pose, Rotation};
 use parry3d::query::{
     ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, PersistentQueryDispatcher,
 };
 use parry3d::shape::{Ball, Capsule, ConvexPolyhedron, Cuboid, SharedShape};
-use rockfall_collide::{Cache, Manifold, collide};
+use rockfall_collide::{Cache, Manifold, Meeting, collide, collide_all};
 use rockfall_math::hash::mix;
+use rockfall_math::lanes::Width;
 use rockfall_math::{Isometry, Mat3, Quat, Vec3, rotation};
 use rockfall_shape::{Hull, Shape};
 use std::sync::Arc;
@@ -16,6 +17,8 @@ use std::time::Instant;
 /// Pairs in a set; few enough to stay in the cache, many enough that no branch is learnt by heart.
 const PAIRS: usize = 4096;
 const ROUNDS: usize = 50;
+/// Pairs that are met together.
+const PORTION: usize = 256;
 
 struct Random(u64);
 
@@ -103,13 +106,14 @@ fn measure(name: &str, pairs: &Pairs, margin: f32) {
     for memory in [Memory::Fresh, Memory::Still, Memory::Moved] {
         let mut poses: Vec<Isometry> = pairs.iter().map(|(.., pose)| *pose).collect();
         let mut random = Random(2);
-        let mut caches = vec![Cache::default(); pairs.len()];
+        let mut caches = [vec![Cache::default(); pairs.len()], vec![Cache::default(); pairs.len()]];
+        let (mut mets, mut found) = (Vec::new(), Vec::new());
         let mut out: Vec<Manifold> = Vec::with_capacity(pairs.len());
         let mut peer = Peer::new(pairs);
-        let mut least = [f64::INFINITY; 2];
+        let mut least = [f64::INFINITY; 3];
         for _ in 0..ROUNDS {
             if memory == Memory::Fresh {
-                caches.fill(Cache::default());
+                caches.iter_mut().for_each(|caches| caches.fill(Cache::default()));
                 peer = Peer::new(pairs);
             }
             if memory == Memory::Moved {
@@ -121,20 +125,30 @@ fn measure(name: &str, pairs: &Pairs, margin: f32) {
             }
             out.clear();
             let start = Instant::now();
-            for (((a, b, _), pose), cache) in pairs.iter().zip(&poses).zip(&mut caches) {
+            for (((a, b, _), pose), cache) in pairs.iter().zip(&poses).zip(&mut caches[0]) {
                 collide(a, b, pose, margin, cache, &mut out);
             }
             least[0] = least[0].min(start.elapsed().as_secs_f64());
+            // In portions of some hundreds, as a world does it.
+            let start = Instant::now();
+            for (k, caches) in caches[1].chunks_mut(PORTION).enumerate() {
+                let meeting = |i: usize| {
+                    let (a, b, _) = &pairs[k * PORTION + i];
+                    Some(Meeting { a, b, b_in_a: &poses[k * PORTION + i], margin })
+                };
+                collide_all(Width::native(), meeting, caches, &mut mets, &mut found);
+            }
+            least[1] = least[1].min(start.elapsed().as_secs_f64());
             if let Some(peer) = &mut peer {
-                least[1] = least[1].min(peer.round(&poses, margin));
+                least[2] = least[2].min(peer.round(&poses, margin));
             }
         }
         let points: u32 = out.iter().map(|m| m.count).sum();
-        let [own, other] = least.map(|least| least / pairs.len() as f64 * 1e9);
+        let [alone, together, other] = least.map(|least| least / pairs.len() as f64 * 1e9);
         let beside =
-            if peer.is_some() { format!("{other:7.0} ns, {:4.1}", other / own) } else { String::new() };
+            if peer.is_some() { format!("{other:7.0} ns, {:4.1}", other / together) } else { String::new() };
         println!(
-            "{name:28} {} {own:7.0} ns {beside:18}  {:5.1} % touch, {:.1} points each",
+            "{name:28} {} {alone:7.0} ns {together:7.0} ns {beside:18}  {:5.1} % touch, {:.1} points each",
             ["fresh", "still", "moved"][memory as usize],
             100.0 * out.len() as f64 / pairs.len() as f64,
             f64::from(points) / out.len().max(1) as f64,

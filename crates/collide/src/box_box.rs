@@ -12,15 +12,15 @@
 //! ```
 //!
 //! The fifteen axes are the three face normals of A, of B, and the nine cross products of their edges (Gottschalk,
-//! Lin and Manocha, "OBBTree", SIGGRAPH 1996). Two deviations from the usual form: the axes e_i × b_j are taken with
-//! their lengths, which come from the two components that the cross product has and not from 1 − r_ij², so that
-//! nearly parallel edges keep all their digits; and an axis is never skipped for being short, except at 10 µrad.
+//! Lin and Manocha, "OBBTree", SIGGRAPH 1996); the gaps along them are measured in `gaps`, of many pairs side by side.
 //!
 //! What touched in the last step goes on with its axis and, of a face, with its corners while others are no better: a box between two
 //! faces that takes turns with the corners which hold it is kept rocking by that.
 //!
 //! The largest separation is a lower bound of the distance. While the boxes are apart it is the distance itself if
 //! the point that it leads to lies over the face, which is checked; else the nearest points are searched for.
+
+pub(crate) mod gaps;
 
 use crate::clip::SLACK;
 use crate::closest::Closest;
@@ -32,6 +32,7 @@ use crate::reduce::reduce_polygon;
 use crate::sat::preference;
 use crate::segments;
 use crate::{Cache, ContactPoint, Manifold};
+use gaps::{Gaps, NEXT, Pair};
 use rockfall_math::{Isometry, Vec3};
 
 /// The axis of the last manifold stays while no other separates by more than this share of the [`preference`] of the largest half extent
@@ -48,28 +49,43 @@ pub(crate) fn collide(
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
 ) -> f32 {
-    let boxes = Boxes::new(a, b, b_in_a);
+    let pair = Pair::new(a, b, b_in_a);
+    match apart(&pair, margin, *cache) {
+        Some(apart) => apart,
+        None => collide_with(&gaps::gaps(&pair), &pair, b_in_a, margin, cache, out),
+    }
+}
+
+/// How far apart two boxes are along the axis that parted them last, if that is beyond the margin.
+#[inline]
+pub(crate) fn apart(pair: &Pair<f32>, margin: f32, cache: Cache) -> Option<f32> {
+    let gap = pair.gap((), Last::of(cache).axis?);
+    (gap > margin).then_some(gap)
+}
+
+/// As [`collide`], of boxes whose gaps are known.
+pub(crate) fn collide_with(
+    separations: &Gaps,
+    pair: &Pair<f32>,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let last = Last::of(*cache);
-    if let Some(axis) = last.axis {
-        let separation = boxes.separation(axis);
-        if separation > margin {
-            return separation;
-        }
-    }
-    let mut separations = [0.0; 15];
-    for (k, s) in separations.iter_mut().enumerate() {
-        *s = boxes.separation(k);
-        if *s > margin {
-            *cache = Last { axis: Some(k), grip: Grip::default() }.cache();
-            return *s;
-        }
-    }
     let best = |from: usize, to: usize| {
         (from + 1..to).fold(from, |m, k| if separations[k] > separations[m] { k } else { m })
     };
     let (face_a, face_b, edge) = (best(0, 3), best(3, 6), best(6, 15));
     let (of_a, of_b, of_edge) = (separations[face_a], separations[face_b], separations[edge]);
     let apart = of_a.max(of_b).max(of_edge);
+    if apart > margin {
+        let axis = [face_a, face_b, edge].into_iter().find(|&k| separations[k] == apart);
+        *cache = Last { axis, grip: Grip::default() }.cache();
+        return apart;
+    }
+    let boxes = Boxes::new(pair, b_in_a);
+    let (a, b) = (Vec3::from_array(pair.a), Vec3::from_array(pair.b));
     let smaller = a.min_element().min(b.min_element());
     // That of the last manifold, unless another one is clearly better.
     let again = last.axis.filter(|&axis| {
@@ -132,7 +148,7 @@ pub(crate) fn collide(
             let (closest, cross) = boxes.crossing(edge, apart);
             if cross {
                 let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
-                break 'found (edge, grip, manifold);
+                break 'found (face, grip, manifold);
             }
         }
         match gjk::proximity(&poly_a, &poly_b, b_in_a, boxes.towards(face), margin) {
@@ -194,49 +210,10 @@ struct Boxes {
     axes_of_b: [Vec3; 3],
 }
 
-/// The two other axes, in cyclic order.
-const NEXT: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
-
 impl Boxes {
-    #[inline]
-    fn new(a: Vec3, b: Vec3, b_in_a: &Isometry) -> Self {
+    fn new(&Pair { a, b, r, t }: &Pair<f32>, b_in_a: &Isometry) -> Self {
         let axes_of_b = [b_in_a.rotation.x_axis, b_in_a.rotation.y_axis, b_in_a.rotation.z_axis];
-        let r = std::array::from_fn(|i| std::array::from_fn(|j| axes_of_b[j][i]));
-        Boxes { a: a.to_array(), b: b.to_array(), r, t: b_in_a.translation.to_array(), axes_of_b }
-    }
-
-    /// Gap between the two along axis `k`: 0–2 faces of A, 3–5 faces of B, 6 + 3 i + j the cross product of axis i
-    /// of A and axis j of B; minus infinity where that has no direction.
-    #[inline]
-    fn separation(&self, k: usize) -> f32 {
-        let Boxes { a, b, r, t, .. } = self;
-        match k {
-            0..3 => {
-                let reach = r[k][0].abs() * b[0] + r[k][1].abs() * b[1] + r[k][2].abs() * b[2];
-                t[k].abs() - (a[k] + reach)
-            }
-            3..6 => {
-                let j = k - 3;
-                let along = t[0] * r[0][j] + t[1] * r[1][j] + t[2] * r[2][j];
-                let reach = r[0][j].abs() * a[0] + r[1][j].abs() * a[1] + r[2][j].abs() * a[2];
-                along.abs() - (b[j] + reach)
-            }
-            _ => {
-                let (i, j) = ((k - 6) / 3, (k - 6) % 3);
-                let ([p, q], [u, v]) = (NEXT[i], NEXT[j]);
-                // e_i × b_j = r_pj e_q − r_qj e_p
-                let (x, y) = (r[p][j], r[q][j]);
-                let squared = x * x + y * y;
-                if squared < 1e-10 {
-                    return f32::NEG_INFINITY;
-                }
-                let along = x * t[q] - y * t[p];
-                let of_a = x.abs() * a[q] + y.abs() * a[p];
-                let of_b =
-                    (x * r[q][u] - y * r[p][u]).abs() * b[u] + (x * r[q][v] - y * r[p][v]).abs() * b[v];
-                (along.abs() - (of_a + of_b)) / squared.sqrt()
-            }
-        }
+        Boxes { a, b, r, t, axes_of_b }
     }
 
     /// The normal of face `k` (0–5) that looks from A to B.

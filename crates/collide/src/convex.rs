@@ -206,7 +206,7 @@ fn smooth_and_ball(a: &Solid, b: &Solid, b_in_a: &Isometry) -> Option<Closest> {
 }
 
 /// Appends a manifold, or says how far apart the shapes are at least.
-fn put(found: Result<Manifold, f32>, out: &mut Vec<Manifold>) -> f32 {
+pub(crate) fn put(found: Result<Manifold, f32>, out: &mut Vec<Manifold>) -> f32 {
     match found {
         Ok(manifold) => {
             out.push(manifold);
@@ -217,7 +217,7 @@ fn put(found: Result<Manifold, f32>, out: &mut Vec<Manifold>) -> f32 {
 }
 
 /// The manifold of two nearest points within `margin`, or their distance.
-fn within(closest: Closest, margin: f32) -> Result<Manifold, f32> {
+pub(crate) fn within(closest: Closest, margin: f32) -> Result<Manifold, f32> {
     if closest.distance > margin { Err(closest.distance) } else { Ok(closest.manifold()) }
 }
 

@@ -7,6 +7,7 @@
 //! clipped faces for boxes and hulls, the simplex walk of Gilbert, Johnson and Keerthi where the nearest features
 //! are corners and edges; cylinders, cones and ellipsoids have that walk too, and an expanding polytope where they overlap. Signed distance
 //! fields are measured at points of the other surface.
+//! Many pairs at once go side by side in the lanes of vectors, see [`collide_all`].
 //! The results depend on the arguments alone, to the last bit.
 
 #![forbid(unsafe_code)]
@@ -26,6 +27,7 @@ mod frustum;
 mod gjk;
 mod half_space;
 mod manifold;
+mod many;
 mod mesh;
 mod overlap;
 mod passage;
@@ -46,6 +48,7 @@ mod time_of_impact;
 
 pub use closest::Distance;
 pub use manifold::{Cache, ContactPoint, Manifold};
+pub use many::{Meeting, Met, collide_all};
 pub use overlap::{overlaps, penetration};
 pub use passage::passage;
 pub use point::{Nearest, nearest_point};

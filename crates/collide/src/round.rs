@@ -51,14 +51,17 @@ pub(crate) fn spheres(a: f32, b: f32, b_in_a: &Isometry) -> Closest {
 /// A capsule and a sphere.
 pub(crate) fn capsule_sphere(a: Capsule, b: f32, b_in_a: &Isometry) -> Closest {
     let center = b_in_a.translation;
-    let t = segments::nearest_to_point(a.core(), center);
     let on_core = Vec3::new(0.0, 0.0, center.z.clamp(-a.half_length, a.half_length));
     let between = center - on_core;
     let distance = between.length();
     let normal = if distance > 0.0 { between / distance } else { Vec3::X };
-    let core =
-        Closest { distance, normal, on_a: on_core, on_b: center, feature: feature::pair(end_or_side(t), 0) };
-    core.with_skins(a.radius, b)
+    let feature = feature::pair(height_name(a, center.z), 0);
+    Closest { distance, normal, on_a: on_core, on_b: center, feature }.with_skins(a.radius, b)
+}
+
+/// Names the end of a capsule's core that is nearest to a point at this height, or what is between the ends.
+pub(crate) fn height_name(a: Capsule, z: f32) -> usize {
+    end_or_side(segments::nearest_to_point(a.core(), Vec3::Z * z))
 }
 
 /// Two capsules at their nearest points.

@@ -10,16 +10,8 @@ pub(crate) fn point(half: Vec3, p: Vec3) -> Closest {
     let between = p - on_box;
     let distance = between.length();
     if distance > 0.0 {
-        // Each coordinate is below, within or above the box: 27 regions.
-        let region = |x: f32| if x < 0.0 { 0 } else { 1 + usize::from(x > 0.0) };
-        let name = region(between.x) + 3 * region(between.y) + 9 * region(between.z);
-        return Closest {
-            distance,
-            normal: between / distance,
-            on_a: on_box,
-            on_b: p,
-            feature: feature::pair(name, 0),
-        };
+        let feature = feature::pair(region(between), 0);
+        return Closest { distance, normal: between / distance, on_a: on_box, on_b: p, feature };
     }
     // Inside: out through the nearest face.
     let depths = half - p.abs();
@@ -36,6 +28,12 @@ pub(crate) fn point(half: Vec3, p: Vec3) -> Closest {
     // The name that the region beyond that face has.
     let name = if positive { 26 - name } else { name };
     Closest { distance: -depth, normal, on_a: p + depth * normal, on_b: p, feature: feature::pair(name, 0) }
+}
+
+/// Names where a point is, by the way to it from the box: each coordinate is below, within or above, which makes 27 regions.
+pub(crate) fn region(between: Vec3) -> usize {
+    let side = |x: f32| if x < 0.0 { 0 } else { 1 + usize::from(x > 0.0) };
+    side(between.x) + 3 * side(between.y) + 9 * side(between.z)
 }
 
 #[cfg(test)]

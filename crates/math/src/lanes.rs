@@ -35,6 +35,8 @@ pub trait Lanes:
     fn store(self, to: &mut [f32]);
     /// Square root, correctly rounded.
     fn sqrt(self) -> Self;
+    /// Without its sign.
+    fn abs(self) -> Self;
     /// self < other.
     fn lt(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, `no` elsewhere.
@@ -81,6 +83,10 @@ impl Lanes for f32 {
         f32::sqrt(self)
     }
     #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> bool {
         self < other
     }
@@ -124,6 +130,10 @@ macro_rules! vector_lanes {
         #[inline(always)]
         fn sqrt(self) -> Self {
             SimdFloat::sqrt(self)
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            SimdBase::abs(self)
         }
         #[inline(always)]
         fn lt(self, other: Self) -> Self::Mask {
@@ -255,7 +265,7 @@ mod tests {
             for (from, to) in self.0.chunks_exact(L::WIDTH).zip(out.chunks_exact_mut(L::WIDTH)) {
                 let x = L::load(token, from);
                 let third = L::splat(token, 1.0 / 3.0);
-                let y = (x * x + third).sqrt() / (x - third);
+                let y = (x * x + third).sqrt() / (x - third).abs();
                 let z = L::select(x.lt(y), x.max(-y), y.min(x * third));
                 (z + x * y - third).store(to);
             }

@@ -12,9 +12,10 @@ use crate::seam::Ground;
 use crate::touches::{NEW, Run, Touches, rows};
 use crate::{Settings, Shape};
 use rayon::prelude::*;
-use rockfall_collide::{Manifold as Local, collide};
+use rockfall_collide::{Cache, Manifold as Local, Meeting, Met, collide_all};
+use rockfall_math::lanes::Width;
 use rockfall_math::room::make_room;
-use rockfall_math::{Mat3, Vec3};
+use rockfall_math::{Isometry, Mat3, Vec3};
 use rockfall_solve::line::Role;
 use rockfall_solve::{
     Contacts, Desk, FIXED, Found, Lane, Leash, Manifold, Memory, NO_COLOR, Surface, row_of,
@@ -46,9 +47,10 @@ pub(crate) fn touch(
     ground: Ground<'_>,
     surface: &(impl Fn(usize, usize) -> Surface + Sync),
     settings: &Settings,
+    width: Width,
 ) -> Vec<Changes> {
     let desk = contacts.desk(ground.bodies.rows());
-    let look = Look { ground, surface, desk: &desk, dt: 1.0 / settings.rate, reuse: settings.reuse };
+    let look = Look { ground, surface, desk: &desk, dt: 1.0 / settings.rate, reuse: settings.reuse, width };
     rooms.resize_with(rayon::current_num_threads(), Mutex::default);
     touches
         .runs
@@ -114,11 +116,26 @@ struct Look<'a, S> {
     dt: f32,
     /// Whether what is found serves for longer than a step.
     reuse: bool,
+    /// How many pairs are met side by side; changes no bit.
+    width: Width,
+}
+
+/// A pair that has to be looked at.
+#[derive(Debug)]
+struct Asked {
+    /// Its number in the run.
+    pair: usize,
+    /// Its place in the columns of the last step, or [`NEW`].
+    before: u32,
+    ahead: Ahead,
+    b_in_a: Isometry,
+    /// How far apart contacts may be, metres.
+    margin: f32,
 }
 
 /// A pair that was looked at.
 #[derive(Debug)]
-struct Met {
+struct Seen {
     /// Its number in the run.
     pair: usize,
     /// First of its contacts among the lanes of [`Fresh`].
@@ -129,8 +146,13 @@ struct Met {
 /// What is found of a run that is brought up to date. Each thread has its own, and keeps it from step to step.
 #[derive(Debug, Default)]
 pub(crate) struct Fresh {
-    /// In the order of their numbers.
+    /// Pairs whose contacts can't follow, in the order of their numbers; what they remember; and what came of them.
+    asked: Vec<Asked>,
+    caches: Vec<Cache>,
     mets: Vec<Met>,
+    found: Vec<Local>,
+    /// The same pairs.
+    seen: Vec<Seen>,
     /// Where their contacts are.
     lanes: Vec<Lane>,
     /// Columns of a run that has other pairs or other contacts than before.
@@ -154,27 +176,31 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
                 _ => false,
             };
         }
-        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+        let [a, b] = bodies_of(key);
         run.recalls[before as usize].serves(bodies.ways[a].wrapping_add(bodies.ways[b]))
             || at_rest(bodies, key)
     }
 
-    /// Runs the pair function. Returns for how long its contacts may follow the bodies.
-    fn meet(&self, [a, b]: [usize; 2], ahead: Ahead, recall: &mut Recall, out: &mut Vec<Local>) -> Leash {
+    /// A pair that has to be looked at: where its bodies are, seen from the first.
+    fn ask(&self, run: &Run, pair: usize, before: u32) -> Asked {
+        let bodies = self.ground.bodies;
+        let rows = bodies_of(run.keys[pair]);
+        let touches = before != NEW && !run.contacts(before).is_empty();
+        let ahead = self.ahead(rows, touches);
+        let margin = bodies.reaches[rows[0]] + bodies.reaches[rows[1]];
+        Asked { pair, before, ahead, b_in_a: ahead.b_in_a(bodies, rows), margin }
+    }
+
+    /// What a pair remembers, `apart` being how far its shapes are from each other, and for how long its contacts may follow the bodies.
+    fn remember(&self, [a, b]: [usize; 2], asked: &Asked, apart: f32, recall: &mut Recall) -> Leash {
         let bodies = self.ground.bodies;
         let [Some(shape_a), Some(shape_b)] = self.shapes([a, b]) else { return Leash::default() };
-        let b_in_a = ahead.b_in_a(bodies, [a, b]);
-        let margin = bodies.reaches[a] + bodies.reaches[b];
-        let apart = collide(shape_a, shape_b, &b_in_a, margin, &mut recall.cache, out);
-        if !out.is_empty() {
-            self.ground.bare(a, b, out);
-        }
         let count = bodies.ways[a].wrapping_add(bodies.ways[b]);
         if !self.reuse {
             recall.set(count, 0.0);
             return Leash::default();
         }
-        recall.set(count, apart - margin - ahead.way);
+        recall.set(count, apart - asked.margin - asked.ahead.way);
         let balls = bodies.balls[a] && bodies.balls[b];
         leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
     }
@@ -207,44 +233,56 @@ impl Fresh {
         look: &Look<'_, S>,
         changes: &mut Changes,
     ) {
-        self.mets.clear();
-        self.lanes.clear();
+        self.asked.clear();
+        self.caches.clear();
         for (pair, &key) in run.keys.iter().enumerate() {
             let before = run.before(pair);
-            let first = self.lanes.len();
-            let recall = if before == NEW {
-                self.meet(key, Recall::default(), &[], look, changes)
-            } else if look.stays(run, key, before) {
-                continue;
-            } else {
-                let lanes = &run.lanes[run.contacts(before)];
-                self.meet(key, run.recalls[before as usize], lanes, look, changes)
-            };
-            self.mets.push(Met { pair, first, recall });
+            if before == NEW || !look.stays(run, key, before) {
+                self.asked.push(look.ask(run, pair, before));
+                self.caches.push(if before == NEW {
+                    Cache::default()
+                } else {
+                    run.recalls[before as usize].cache
+                });
+            }
+        }
+        let meeting = |i: usize| {
+            let Asked { pair, ref b_in_a, margin, .. } = self.asked[i];
+            let [Some(a), Some(b)] = look.shapes(bodies_of(run.keys[pair])) else { return None };
+            Some(Meeting { a, b, b_in_a, margin })
+        };
+        collide_all(look.width, meeting, &mut self.caches, &mut self.mets, &mut self.found);
+
+        self.seen.clear();
+        self.lanes.clear();
+        for i in 0..self.asked.len() {
+            let (pair, first) = (self.asked[i].pair, self.lanes.len());
+            let recall = self.see(i, run, look, changes);
+            self.seen.push(Seen { pair, first, recall });
         }
     }
 
     /// Contacts of pair number `i` of those that were looked at, as a range of the lanes.
     fn contacts(&self, i: usize) -> std::ops::Range<usize> {
-        self.mets[i].first..self.mets.get(i + 1).map_or(self.lanes.len(), |next| next.first)
+        self.seen[i].first..self.seen.get(i + 1).map_or(self.lanes.len(), |next| next.first)
     }
 
     /// Whether each pair has as many contacts as before, in a run that has the same pairs.
     fn fits(&self, run: &Run) -> bool {
-        let fits = |(i, met): (usize, &Met)| self.contacts(i).len() == run.contacts(met.pair as u32).len();
-        self.mets.iter().enumerate().all(fits)
+        let fits = |(i, seen): (usize, &Seen)| self.contacts(i).len() == run.contacts(seen.pair as u32).len();
+        self.seen.iter().enumerate().all(fits)
     }
 
     /// Puts what was found in the place of what was there.
     fn put_in_place(&self, run: &mut Run, changes: &mut Changes) {
         let mut slots = changes.slots.iter_mut().peekable();
-        for (i, met) in self.mets.iter().enumerate() {
-            let (here, there) = (self.contacts(i), run.contacts(met.pair as u32));
+        for (i, seen) in self.seen.iter().enumerate() {
+            let (here, there) = (self.contacts(i), run.contacts(seen.pair as u32));
             while let Some(slot) = slots.next_if(|slot| here.contains(&(**slot as usize))) {
                 *slot = (there.start + *slot as usize - here.start) as u32;
             }
             run.lanes[there].copy_from_slice(&self.lanes[here]);
-            run.recalls[met.pair] = met.recall;
+            run.recalls[seen.pair] = seen.recall;
         }
     }
 
@@ -268,7 +306,7 @@ impl Fresh {
                 end(run, next..before, look.desk, changes);
                 next = before + 1;
             }
-            let Some(met) = self.mets.get(i).filter(|met| met.pair == pair) else {
+            let Some(seen) = self.seen.get(i).filter(|seen| seen.pair == pair) else {
                 self.all_lanes.extend_from_slice(&run.lanes[run.contacts(before)]);
                 self.recalls.push(run.recalls[before as usize]);
                 continue;
@@ -277,7 +315,7 @@ impl Fresh {
             while let Some(slot) = slots.next_if(|&slot| here.contains(&(slot as usize))) {
                 changes.slots.push((self.all_lanes.len() + slot as usize - here.start) as u32);
             }
-            self.recalls.push(met.recall);
+            self.recalls.push(seen.recall);
             self.all_lanes.extend_from_slice(&self.lanes[here]);
             i += 1;
         }
@@ -289,21 +327,28 @@ impl Fresh {
         put(&self.all_lanes, &mut run.lanes);
     }
 
-    /// Finds the contacts of a pair anew, whose old ones are in `lanes`. Returns what it remembers.
-    fn meet<S: Fn(usize, usize) -> Surface + Sync>(
+    /// Turns what was found of a pair into contacts, which go on in the place of its old ones. Returns what it remembers.
+    fn see<S: Fn(usize, usize) -> Surface + Sync>(
         &mut self,
-        key: u64,
-        mut recall: Recall,
-        lanes: &[Lane],
+        i: usize,
+        run: &Run,
         look: &Look<'_, S>,
         changes: &mut Changes,
     ) -> Recall {
-        let (bodies, desk) = (look.ground.bodies, look.desk);
-        let (a, b) = (rows(key).0 as usize, row_of(rows(key).1));
+        let (bodies, desk, asked) = (look.ground.bodies, look.desk, &self.asked[i]);
+        let (key, ahead) = (run.keys[asked.pair], asked.ahead);
+        let [a, b] = bodies_of(key);
+        let lanes = if asked.before == NEW { &[] } else { &run.lanes[run.contacts(asked.before)] };
+        let Met { apart, ref manifolds } = self.mets[i];
         self.locals.clear();
+        self.locals.extend_from_slice(&self.found[manifolds.clone()]);
+        if !self.locals.is_empty() {
+            look.ground.bare(a, b, &mut self.locals);
+        }
+        let mark = if asked.before == NEW { 0 } else { run.recalls[asked.before as usize].mark };
+        let mut recall = Recall { cache: self.caches[i], mark };
         let balls = bodies.balls[a] && bodies.balls[b];
-        let ahead = look.ahead([a, b], !lanes.is_empty());
-        let leash = look.meet([a, b], ahead, &mut recall, &mut self.locals);
+        let leash = look.remember([a, b], asked, apart, &mut recall);
         let (turn, offset) = ahead.axes(bodies, [a, b]);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));
@@ -357,6 +402,12 @@ impl Fresh {
         }
         recall
     }
+}
+
+/// The rows of a pair's bodies.
+fn bodies_of(key: u64) -> [usize; 2] {
+    let (a, b) = rows(key);
+    [a as usize, row_of(b)]
 }
 
 /// Gives back the lanes of pairs that have ended.
@@ -419,14 +470,14 @@ mod tests {
     fn in_place_or_anew_is_the_same() {
         let all = lanes(5);
         let run = || run_of(&[1, 2, 3, 4], &mut all.iter().copied(), |key| [1, 2, 0, 2][key as usize - 1]);
-        let met = |pair: usize, first: usize| Met {
+        let seen = |pair: usize, first: usize| Seen {
             pair,
             first,
             recall: Recall { mark: 10 + pair as u32, ..Recall::default() },
         };
         // Of the second pair the second contact has come, of the last the first.
         let mut fresh = Fresh {
-            mets: vec![met(1, 0), met(2, 2), met(3, 2)],
+            seen: vec![seen(1, 0), seen(2, 2), seen(3, 2)],
             lanes: vec![all[1], Lane::NONE, Lane::NONE, all[4]],
             ..Fresh::default()
         };
@@ -441,7 +492,8 @@ mod tests {
         let bodies = Bodies::new();
         let tree = Tree::default();
         let ground = Ground { bodies: &bodies, shapes: &[], tree: &tree };
-        let look = Look { ground, surface: &surface, desk: &contacts.desk(1), dt: 1.0, reuse: true };
+        let (desk, width) = (contacts.desk(1), Width::Scalar);
+        let look = Look { ground, surface: &surface, desk: &desk, dt: 1.0, reuse: true, width };
         fresh.replace(&mut anew, &look, &mut made_anew);
 
         assert_eq!(in_place.slots, [2, 3]);

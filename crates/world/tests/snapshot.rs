@@ -215,7 +215,7 @@ fn tiles_go_on() {
 fn copies_go_on() {
     for tiles_from in [1, usize::MAX] {
         let settings = Settings { tiles_from, ..SETTINGS };
-        let scene = Scene { settings, size: (20, 2), slab: true, ..PLAIN };
+        let scene = Scene { settings, size: (28, 2), slab: true, ..PLAIN };
         let steps = scene.goes_on(90, &[18, 19, 40, 63, 64, 80]);
         let split: Vec<usize> = steps.iter().map(|(_, report)| report.split).collect();
         assert!(split[18] == 1 && split[39] == 1 && split[89] == 0, "{split:?}");

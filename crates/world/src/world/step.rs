@@ -60,7 +60,7 @@ impl World {
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
         let ground = Ground { bodies, shapes, tree: &trees.fixed };
-        let mut changes = touch(rooms, touches, contacts, ground, &surface, settings);
+        let mut changes = touch(rooms, touches, contacts, ground, &surface, settings, *width);
         report.frozen += freeze(bodies, &Changes::broken(&changes));
         clock.lap();
         color(&mut changes, contacts, bodies.rows());
