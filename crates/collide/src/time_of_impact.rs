@@ -18,7 +18,7 @@ use crate::poly::BoxPoly;
 use crate::surface::Surface;
 use crate::{compound, ellipsoid};
 use rockfall_math::{Aabb, DVec3, Isometry, Mat3, Vec3, rotation};
-use rockfall_shape::{Frustum, Hull, Shape};
+use rockfall_shape::{Frustum, Hull, Shape, nearest_on_triangle};
 use smallvec::SmallVec;
 use std::cell::OnceCell;
 
@@ -246,6 +246,8 @@ pub(crate) struct Core {
     pub(crate) reach: f32,
     /// Largest distance of a point from the axis of rotation, metres, or more. A skin looks the same however it turns.
     pub(crate) arm: f32,
+    /// A ball around all of it, in the shape's frame: its own where it is one, else around the centre of rotation.
+    ball: (Vec3, f32),
 }
 
 impl Core {
@@ -307,7 +309,16 @@ impl Core {
         let reach = radius + furthest(&corners, motion.center);
         let axis = motion.start.inverse_vector(motion.rotation).normalize_or_zero();
         let arm = corners.iter().fold(0.0_f32, |far, &p| far.max(axis.cross(p - motion.center).length()));
-        Core { set, radius, reach, arm }
+        let ball = match &set {
+            Set::Points(points) if points.len() == 1 => (points[0], radius),
+            _ => (motion.center, reach),
+        };
+        Core { set, radius, reach, arm, ball }
+    }
+
+    /// Whether it is a point and its skin.
+    fn is_ball(&self) -> bool {
+        matches!(&self.set, Set::Points(points) if points.len() == 1)
     }
 
     /// As what something runs into.
@@ -446,6 +457,16 @@ impl Course<'_> {
                 let point = lowest - core.radius * normal;
                 (distance > 0.0).then_some(Gap { distance, normal: -normal, point })
             }
+            Other::Convex { set: Set::Points(corners), radius, .. }
+                if corners.len() == 3 && core.is_ball() =>
+            {
+                let middle = a.point(core.ball.0);
+                let seen = b.inverse_point(middle).as_dvec3();
+                let way = nearest_on_triangle([0, 1, 2].map(|k| corners[k].as_dvec3() - seen)).0;
+                let distance = way.length() as f32 - core.radius - radius;
+                let normal = b.vector(way.normalize_or_zero().as_vec3());
+                (distance > 0.0).then(|| Gap { distance, normal, point: middle + core.radius * normal })
+            }
             Other::Convex { set, radius, .. } => {
                 let placed = Placed::new(&a.inverse().then_after(&b));
                 let Walk::Apart(near) = walk(&core.set, *set, &placed, f64::INFINITY) else {
@@ -479,8 +500,10 @@ impl Course<'_> {
     fn surface<S: Surface>(&self, cores: &Cores, surface: &S) -> Option<Toi> {
         let Sweep { a, b } = self.sweep;
         let whole = &cores.whole;
+        let (middle, size) = whole.ball;
         let length = (a.translation - b.translation).length();
-        let pieces = ((length / (2.0 * whole.reach)).ceil() as usize).clamp(1, MAX_PIECES);
+        let length = length + a.rotation.length() * middle.distance(a.center);
+        let pieces = ((length / (2.0 * size)).ceil() as usize).clamp(1, MAX_PIECES);
         let mut best: Option<Toi> = None;
         let mut triangles = Vec::new();
         for piece in 0..pieces {
@@ -561,12 +584,18 @@ impl Course<'_> {
     /// The part of B's frame that A passes through between two times.
     pub(crate) fn passed(&self, whole: &Core, from: f32, until: f32) -> Aabb {
         let Sweep { a, b } = self.sweep;
+        let (middle, size) = whole.ball;
+        let middle_at = |time: f32| {
+            if middle == a.center { a.center_at(time) } else { a.at(time).point(middle) }
+        };
         let ends = [from, until]
-            .map(|time| b.at(from).inverse_point(a.center_at(time) - b.translation * (time - from)));
-        // A turn of B moves A's centre, seen from B, on an arc around B's centre.
+            .map(|time| b.at(from).inverse_point(middle_at(time) - b.translation * (time - from)));
+        // A turn of B moves the middle, seen from B, on an arc around B's centre; one of A moves it off its chord by the sagitta of its own arc.
         let arm = ends[0].distance(b.center).max(ends[1].distance(b.center));
         let turned = b.rotation.length() * (until - from) * arm;
-        let size = ends[0].abs().max(ends[1].abs()).max_element();
-        Aabb::from_points(ends).grown(whole.reach + 1.1 * self.target + turned + 1e-5 * (size + whole.reach))
+        let angle = a.rotation.length() * (until - from);
+        let bent = 0.125 * angle * angle * middle.distance(a.center);
+        let far = ends[0].abs().max(ends[1].abs()).max_element();
+        Aabb::from_points(ends).grown(size + 1.1 * self.target + turned + bent + 1e-5 * (far + whole.reach))
     }
 }

@@ -1,6 +1,5 @@
 //! Files of any content.
 
-use rockfall_cache::{Checkpoint, RunReader, START, Start};
 use rockfall_import::{Place, mesh_file, read};
 use rockfall_shape::Mesh;
 use std::path::Path;
@@ -34,22 +33,4 @@ pub fn import(folder: &Path, ending: &str, bytes: &[u8]) {
     }
     let parts = content.shapes.iter().flatten();
     assert!(parts.map(|part| part.geometry as usize).all(|geometry| geometry < content.geometries.len()));
-}
-
-/// Reads all of a run in `folder`: errors, or what is there.
-pub fn run_folder(folder: &Path) {
-    for checkpoint in Checkpoint::all(folder).into_iter().flatten() {
-        let _ = checkpoint.verify();
-    }
-    let Ok(reader) = RunReader::open(folder) else { return };
-    let _ = (reader.times(), reader.origin(), reader.bodies(), reader.parts());
-    let _ = (reader.end(), Start::read(&folder.join(START)));
-    let (contacts, events) = (reader.contacts().ok().flatten(), reader.events().ok().flatten());
-    let columns = reader.columns().unwrap_or_default();
-    let columns: Vec<_> = columns.iter().filter_map(|column| reader.column(column).ok()).collect();
-    for frame in 0..reader.frames().unwrap_or(0).min(4) {
-        let _ = (reader.poses(frame), reader.velocities(frame));
-        let _ = (contacts.as_ref().map(|all| all.at(frame)), events.as_ref().map(|all| all.at(frame)));
-        columns.iter().for_each(|column| drop(column.at(frame)));
-    }
 }

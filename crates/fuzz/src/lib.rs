@@ -13,13 +13,15 @@ mod files;
 mod hull;
 mod mesh;
 mod pair;
+mod run;
 mod scene;
 mod state;
 
 pub use bytes::Bytes;
-pub use files::{IMPORTS, MESH_FILES, import, mesh_file, run_folder};
+pub use files::{IMPORTS, MESH_FILES, import, mesh_file};
 pub use hull::hull;
 pub use mesh::mesh;
 pub use pair::pair;
+pub use run::{GoodRun, run_file};
 pub use scene::scene;
 pub use state::{checkpoint, good_checkpoint};

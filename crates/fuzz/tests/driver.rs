@@ -2,20 +2,26 @@
 //!
 //! Nothing may take longer than [`PATIENCE`]: what does not end is stopped with the number of its input.
 
-use rockfall_cache::{
-    BodyTable, Column, Contacts, Contents, Event, EventKind, FORMAT, Frame, NumberType, RunFolder, RunWriter,
-    START, STATE, Start, State, Summary, VERSION, Values, WantedContacts, WantedEvents,
-};
+//!
+//! Each target gets as many inputs as take a second or a few. `ROCKFALL_FUZZ_SECONDS=30` goes on with each for half a minute at least, two of them
+//! at a time on two processors; `ROCKFALL_FUZZ_FROM=1000` begins with the input of that number, as it is named when something breaks.
+
 use rockfall_fuzz::{
-    IMPORTS, MESH_FILES, checkpoint, good_checkpoint, hull, import, mesh, mesh_file, pair, run_folder, scene,
+    GoodRun, IMPORTS, MESH_FILES, checkpoint, good_checkpoint, hull, import, mesh, mesh_file, pair, scene,
 };
-use rockfall_math::{DVec3, Pose, hash};
+use rockfall_math::hash;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// For one input.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A whole number from the environment, 0 where there is none.
+fn wanted(name: &str) -> u64 {
+    let Ok(text) = std::env::var(name) else { return 0 };
+    text.parse().unwrap_or_else(|_| panic!("{name} is {text:?}, expected a whole number"))
+}
 
 struct Random(u64);
 
@@ -59,11 +65,14 @@ impl Random {
     }
 }
 
-/// Calls `target` so many times, each in its own number.
+/// Calls `target` so many times, or for as long as is wanted, each time with a number of its own.
 fn drive(name: &'static str, count: u64, target: impl Fn(&mut Random) + Send + 'static) {
+    let (first, seconds) =
+        (wanted("ROCKFALL_FUZZ_FROM"), Duration::from_secs(wanted("ROCKFALL_FUZZ_SECONDS")));
     let (said, heard) = channel();
     let thread = std::thread::spawn(move || {
-        for number in 0..count {
+        let start = Instant::now();
+        for number in (first..).take_while(|number| number - first < count || start.elapsed() < seconds) {
             said.send(number).expect("somebody listens");
             target(&mut Random(number << 20));
         }
@@ -81,6 +90,7 @@ fn drive(name: &'static str, count: u64, target: impl Fn(&mut Random) + Send + '
     if thread.join().is_err() {
         panic!("{name} breaks with input {last:?}");
     }
+    println!("{name}: up to input {last:?}");
 }
 
 #[test]
@@ -207,88 +217,15 @@ fn checkpoints() {
     });
 }
 
-/// A run of three bodies and a few frames.
-fn write_run(path: &Path) {
-    let table = BodyTable {
-        ids: vec![0, 1, 2],
-        names: vec![String::new(); 3],
-        shapes: vec![0; 3],
-        scales: vec![1.0; 3],
-    };
-    let summary = Summary {
-        format: FORMAT.into(),
-        format_version: VERSION,
-        frames_per_second: 60.0,
-        ..Summary::default()
-    };
-    let folder = RunFolder::at(path, false).expect("a folder");
-    let column = Column {
-        name: "heat".into(),
-        numbers: NumberType::U32,
-        units: "1".into(),
-        description: String::new(),
-    };
-    let contents = Contents {
-        velocities: true,
-        contacts: Some(WantedContacts { every: 1, force: 0.0, friction: true }),
-        events: Some(WantedEvents { sensors: true, touches: true, hits: Some(1.0) }),
-        columns: vec![column],
-        ..Contents::default()
-    };
-    let mut writer = RunWriter::create(&folder, "seed = 1\n", &summary, &table, contents).expect("a run");
-    for frame in 0..5_u32 {
-        let mut poses = writer.buffer();
-        let ids: Vec<_> = (0..3).map(rockfall::BodyId).collect();
-        let at = |k: u32| Pose::at(DVec3::new(f64::from(k), f64::from(frame), 0.0));
-        poses.gather(&table, DVec3::ZERO, &ids, &[at(0), at(1), at(2)]).expect("all are in the table");
-        writer
-            .push(Frame {
-                time: f64::from(frame),
-                poses,
-                contacts: Contacts {
-                    a: vec![0],
-                    b: vec![1],
-                    positions: vec![[0.0; 3]],
-                    normals: vec![[1.0, 0.0, 0.0]],
-                    distances: vec![-0.5],
-                    forces: vec![2.0],
-                    frictions: vec![[0.0, 1.0, 0.0]],
-                },
-                events: vec![Event { kind: EventKind::Hit, a: 0, b: 1, impulse: 3.0 }],
-                columns: vec![Values::U32(vec![frame; 3])],
-                ..Frame::default()
-            })
-            .expect("a frame");
-    }
-    writer.sync().expect("all frames");
-    let (ids, poses, velocities) = (vec![7], vec![Pose::default()], vec![Default::default()]);
-    let state = State { ids, poses, velocities, ..State::default() };
-    state.write(&path.join(STATE)).expect("a state");
-    Start { last_id: 7, state, ..Start::default() }.write(&path.join(START)).expect("a start");
-}
-
 /// Every file of a run with a few changes.
 #[test]
 fn runs() {
     let folder = tempfile::tempdir().expect("a folder");
-    let run = folder.path().join("run");
-    write_run(&run);
-    let mut files = Vec::new();
-    let mut folders = vec![run.clone()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).expect("it is there") {
-            let path = entry.expect("an entry").path();
-            if path.is_dir() { folders.push(path) } else { files.push(path) }
-        }
-    }
-    files.sort();
-    run_folder(&run);
-    drive("run_folder", 1500, move |random| {
+    let run = GoodRun::write(folder.path());
+    (0..run.files()).for_each(|k| run.with(k, run.file(k)));
+    drive("run_file", 1500, move |random| {
         let _ = &folder;
-        let file = &files[random.below(files.len())];
-        let right = std::fs::read(file).expect("a file");
-        std::fs::write(file, random.spoilt(&right)).expect("room for a file");
-        run_folder(&run);
-        std::fs::write(file, right).expect("room for a file");
+        let k = random.below(run.files());
+        run.with(k, &random.spoilt(run.file(k)));
     });
 }

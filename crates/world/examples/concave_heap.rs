@@ -1,7 +1,7 @@
 //! A heap of concave bodies as signed distance fields beside the same heap of their convex hulls: what a settled step of each costs, and the memory of the field.
 //!
-//! `cargo run --release -p rockfall --example concave_heap -- 10000 600 120 2`: bodies, steps to settle, timed steps, threads. Both heaps stand in one process, and their
-//! timed steps take turns, so that a busy machine slows down both.
+//! `cargo run --release -p rockfall --example concave_heap -- 10000 600 120 2 8`: bodies, steps to settle, timed steps, threads, sub-steps. Both heaps stand in one process, and their
+//! timed steps take turns, so that a busy machine slows down both. Where the system tells (Linux), processor time is given beside that of the clock.
 
 use rockfall::math::{DVec3, Pose, Quat, Vec2, Vec3, hash::mix, trig};
 use rockfall::shape::{Field, FieldSettings, Hull, Mesh};
@@ -28,7 +28,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     rockfall::math::room::map_large_blocks();
     let args: Vec<String> = std::env::args().skip(1).collect();
     let number = |i: usize, default: usize| args.get(i).and_then(|a| a.parse().ok()).unwrap_or(default);
-    let (count, settle, timed, threads) = (number(0, 10_000), number(1, 600), number(2, 120), number(3, 0));
+    let (count, settle, timed) = (number(0, 10_000), number(1, 600), number(2, 120));
+    let (threads, substeps) = (number(3, 0), number(4, 8) as u32);
+    // With the four of the default rings never come to rest.
+    let settings = Settings { threads, substeps, sleeping: false, ..Settings::default() };
     let mesh = Arc::new(ring()?);
     let start = Instant::now();
     let field = Field::new(mesh.clone(), FieldSettings::with_error(ERROR))?;
@@ -46,18 +49,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Of hulls those that a person would take: 32 corners.
     let hull = Hull::from_points_at_most(&mesh.vertices, 32)?;
     let mut heaps = [
-        ("fields", heap(Shape::Field(Arc::new(field)), count, threads)?),
-        ("hulls", heap(Shape::Hull(Arc::new(hull)), count, threads)?),
+        ("fields", heap(Shape::Field(Arc::new(field)), count, settings)?),
+        ("hulls", heap(Shape::Hull(Arc::new(hull)), count, settings)?),
     ];
     for (name, world) in &mut heaps {
-        let start = Instant::now();
-        (0..settle).for_each(|_| {
-            world.step();
-        });
+        let (start, before) = (Instant::now(), processor_ms());
+        for step in 1..=settle {
+            let report = world.step();
+            if step % 100 == 0 {
+                println!("{name}: {:.2e} J after {step} steps", report.kinetic_energy);
+            }
+        }
         let report = world.report();
         println!(
-            "{name}: settled in {:.0} s; {} pairs, {} manifolds, {} points, deepest {:.2} mm, mean {:.3} mm, {:.2e} J",
+            "{name}: settled in {:.0} s, {:.0} s of a processor; {} pairs, {} manifolds, {} points, deepest {:.2} mm, mean {:.3} mm, {:.2e} J",
             start.elapsed().as_secs_f64(),
+            1e-3 * (processor_ms() - before),
             report.pairs,
             report.manifolds,
             report.contacts,
@@ -67,12 +74,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     let mut times = [vec![], vec![]];
+    let mut processor = [0.0; 2];
     let mut stages = [[0.0; STAGES.len()]; 2];
     for _ in 0..timed {
         for (k, (_, world)) in heaps.iter_mut().enumerate() {
-            let start = Instant::now();
+            let (start, before) = (Instant::now(), processor_ms());
             let report = world.step();
             times[k].push(1e3 * start.elapsed().as_secs_f64());
+            processor[k] += (processor_ms() - before) / timed as f64;
             stages[k].iter_mut().zip(report.times).for_each(|(sum, time)| *sum += 1e3 * time.as_secs_f64());
         }
     }
@@ -88,15 +97,35 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .filter(|(_, mean)| *mean > 0.01 * medians[k])
             .map(|(stage, mean)| format!("{stage} {mean:.2}"))
             .collect();
-        println!("{name}: {:.2} ms a step, hash {:016x}; {}", medians[k], world.hash(), parts.join("  "));
+        let energy = world.report().kinetic_energy;
+        println!(
+            "{name}: {energy:.2e} J, {:.2} ms a step, {:.2} of a processor, hash {:016x}; {}",
+            medians[k],
+            processor[k],
+            world.hash(),
+            parts.join("  ")
+        );
     }
-    println!("fields over hulls: {:.2}", medians[0] / medians[1]);
+    println!(
+        "fields over hulls: {:.2}, of a processor {:.2}",
+        medians[0] / medians[1],
+        processor[0] / processor[1]
+    );
     Ok(())
 }
 
+/// What all threads have used, milliseconds; NaN where nobody tells.
+fn processor_ms() -> f64 {
+    let Ok(threads) = std::fs::read_dir("/proc/self/task") else { return f64::NAN };
+    let used = threads.filter_map(|thread| {
+        let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    1e-6 * used.sum::<f64>()
+}
+
 /// Bodies in a walled square, some twenty layers of them.
-fn heap(shape: Shape, count: usize, threads: usize) -> Result<World, rockfall::Error> {
-    let settings = Settings { threads, sleeping: false, ..Settings::default() };
+fn heap(shape: Shape, count: usize, settings: Settings) -> Result<World, rockfall::Error> {
     let mut world = World::new(settings)?;
     let rock = world.add_material(Material::default())?;
     let side = (count as f64 / 20.0).sqrt().ceil();

@@ -39,6 +39,17 @@ struct Edge {
     along: Vec3,
     out: Vec3,
     cone: f32,
+    /// Cosine and sine of the largest angle to `out` that the common normal with another edge may have.
+    faces: [f32; 2],
+}
+
+impl Edge {
+    /// Whether two edges may have a common normal within the cones of both.
+    fn may_face(&self, other: &Edge) -> bool {
+        let ([c, s], [d, t]) = (self.faces, other.faces);
+        // Both cones together are a whole ball, or the directions are no further apart than both are wide.
+        c <= -d || -self.out.dot(other.out) >= c * d - s * t - 1e-5
+    }
 }
 
 /// Two fields.
@@ -160,7 +171,12 @@ impl Two<'_, '_> {
         let edge = field.features().edges()[number as usize];
         let [start, end] = edge.ends.map(|v| own.place.point(field.mesh().vertices[v as usize]));
         let out = own.place.vector(edge.normals.out);
-        Edge { number, start, end, along: end - start, out, cone: edge.normals.cone }
+        let cone = edge.normals.cone;
+        let ([beside, sine], flat) = (FACING, (1.0 - cone * cone).max(0.0).sqrt());
+        let open = cone <= -beside;
+        let faces =
+            if open { [-1.0, 0.0] } else { [cone * beside - flat * sine, flat * beside + cone * sine] };
+        Edge { number, start, end, along: end - start, out, cone, faces }
     }
 
     /// All crossings; of the second body's edges, which are sorted along x, only those are tried that may reach so far.
@@ -174,6 +190,9 @@ impl Two<'_, '_> {
             let (low, high) = (middle.x - width, middle.x + width);
             let from = twos.partition_point(|two| two.start.x < low);
             for two in twos[from..].iter().take_while(|two| two.start.x <= high) {
+                if !one.may_face(two) {
+                    continue;
+                }
                 let far = 0.5 * (one.along.length() + two.along.length()) + most;
                 if middle.distance_squared(two.start + 0.5 * two.along) <= far * far {
                     out.extend(self.crossing(one, two));

@@ -17,8 +17,11 @@ use rockfall_math::{Aabb, Vec3};
 use rockfall_tree::Fold;
 use std::collections::BTreeMap;
 
-/// How often in a step a body yields, to whatever; then it stays where it is, and others yield.
+/// How often in a step a body yields, to whatever; then it goes its way, and others yield.
 const STOPS: usize = 4 * SLIDES;
+
+/// How often it yields where the other does not any more either: bullets that rest on a wall, which each further one turns off.
+const LAST: usize = 4 * STOPS;
 
 /// A fast body comes to another that contacts move.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +94,7 @@ impl Sky<'_> {
     /// The first body that contacts move through which a fast one would pass from a time on.
     fn first_meeting(&self, flight: &Flight, from: f32) -> Option<Meeting> {
         let bodies = self.scene.bodies;
-        if flight.stops > STOPS {
+        if flight.stops > LAST {
             return None;
         }
         let near = self.near(flight, &flight.area(bodies, from));
@@ -149,7 +152,9 @@ impl Sky<'_> {
     fn settle(&mut self, meeting: &Meeting) -> Vec<u32> {
         let Meeting { time, row, other, normal, .. } = *meeting;
         let lines = &self.scene.bodies.lines;
-        let yields = |row: u32| self.fast(row).filter(|&i| self.flights[i].stops < STOPS);
+        let yields = |most: usize| {
+            [row, other].map(|row| self.fast(row).is_some_and(|i| self.flights[i].stops < most))
+        };
         let flights = [row, other].map(|row| match self.fast(row) {
             Some(i) => self.flights[i].clone(),
             None => Flight::straight(self.scene, row),
@@ -158,11 +163,15 @@ impl Sky<'_> {
         let into = (motions[0].translation - motions[1].translation).dot(normal);
         let inverse = [row, other].map(|row| lines[row as usize].motion[6]);
         let both = inverse[0] + inverse[1];
-        let shares = match [row, other].map(yields) {
-            [Some(_), Some(_)] if both > 0.0 => [inverse[0] / both, inverse[1] / both],
-            [Some(_), _] => [1.0, 0.0],
-            [None, Some(_)] => [0.0, 1.0],
-            [None, None] => return Vec::new(),
+        let shares = match (yields(STOPS), yields(LAST)) {
+            ([true, true], _) if both > 0.0 => [inverse[0] / both, inverse[1] / both],
+            ([true, _], _) => [1.0, 0.0],
+            ([_, true], _) => [0.0, 1.0],
+            // The lighter one: who is heavy is in the way of many.
+            (_, [true, true]) if inverse[0] < inverse[1] => [0.0, 1.0],
+            (_, [true, _]) => [1.0, 0.0],
+            (_, [_, true]) => [0.0, 1.0],
+            _ => return Vec::new(),
         };
         let blow = normal * into.max(0.0);
         let along = [-blow, blow];
