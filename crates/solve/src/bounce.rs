@@ -20,11 +20,11 @@ use crate::advance::Stay;
 use crate::block::{Block, load, load3, store};
 use crate::contacts::Contacts;
 use crate::drift::Integrator;
-use crate::iterate::rub;
+use crate::iterate::{Place, rub};
 use crate::line::Columns;
 use crate::plan::Span;
 use crate::respond::Plan;
-use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -87,12 +87,9 @@ impl Visit for Bounce {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, Take::Whole);
         let take = if one_sided { Take::Fixed } else { Take::Whole };
         let mut b = BodyLanes::gather(token, rows, &block.b, k, take);
-        let normal: Lanes3<L> = load3(token, &block.normal, k);
-        let offset: Lanes3<L> = load3(token, &block.offset, k);
         let zero = L::splat(token, 0.0);
-        let (pa, ta) = gather_drift(token, rows, &block.a, k);
-        let (pb, tb) = gather_drift(token, rows, &block.b, k);
-        let gap = normal.dot(pb - pa);
+        let place = Place::new(token, rows, block, k, one_sided);
+        let Place { normal, offset, gap, turns: [ta, tb] } = place;
         let restitution: L = load(token, &cold.restitution, k);
         // Relative acceleration along the normal of two bodies in free flight.
         let pull = normal.dot(Lanes3::splat(token, self.gravity)) * (b.gravity_scale - a.gravity_scale);
@@ -139,7 +136,7 @@ impl Visit for Bounce {
             pressed = pressed + load(token, &block.impulses[p], k);
         }
         let middle = middle.scale(L::splat(token, 1.0 / P as f32));
-        rub(token, block, k, &mut a, &mut b, normal, middle, pressed);
+        rub(token, block, k, &mut a, &mut b, &place, middle, pressed);
         a.scatter(rows, &block.a, k);
         if !one_sided {
             b.scatter(rows, &block.b, k);
