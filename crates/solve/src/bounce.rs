@@ -35,8 +35,12 @@ const ROUNDS: usize = 4;
 /// Velocities that change by less in a sweep are done: a share of the threshold, and no less than this, m/s.
 const CALM: (f32, f32) = (0.05, 1e-3);
 
-/// Gives every point that hit its share of the approach velocity back.
-pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan) {
+/// The latter where nothing but these velocities decides what becomes of the energy.
+const CALM_RETRACED: f32 = 1e-4;
+
+/// Gives every point that hit its share of the approach velocity back. Where it is `retraced`, what is perfectly elastic stays where it is
+/// while it bounces ([`crate::retrace`]), and has its own speed back.
+pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan, retraced: bool) {
     if contacts.colds.is_empty() {
         return;
     }
@@ -45,9 +49,17 @@ pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, 
         Integrator::SecondOrder => 0.0,
     };
     let threshold = plan.restitution_threshold;
-    let calm = CALM.1.max(CALM.0 * threshold);
-    let mut visit =
-        Bounce { threshold, gravity: plan.gravity, ahead, calm, all: false, stirred: AtomicBool::new(false) };
+    let calm = if retraced { CALM_RETRACED } else { CALM.1 };
+    let calm = calm.max(CALM.0 * threshold);
+    let mut visit = Bounce {
+        threshold,
+        gravity: plan.gravity,
+        ahead,
+        calm,
+        retraced,
+        all: false,
+        stirred: AtomicBool::new(false),
+    };
     for _ in 0..plan.bounces {
         sweep(contacts, columns, width, &Stay, &visit);
         if !std::mem::take(visit.stirred.get_mut()) {
@@ -66,6 +78,8 @@ struct Bounce {
     ahead: f32,
     /// Changes up to this don't count, m/s.
     calm: f32,
+    /// Whether what is perfectly elastic stays where it is.
+    retraced: bool,
     /// Whether points take part that did not hit.
     all: bool,
     /// Whether a change counted.
@@ -93,6 +107,8 @@ impl Visit for Bounce {
         let restitution: L = load(token, &cold.restitution, k);
         // Relative acceleration along the normal of two bodies in free flight.
         let pull = normal.dot(Lanes3::splat(token, self.gravity)) * (b.gravity_scale - a.gravity_scale);
+        let pull =
+            if self.retraced { L::select(restitution.lt(L::splat(token, 1.0)), pull, zero) } else { pull };
         let ahead = pull * L::splat(token, self.ahead);
         let mut middle = Lanes3::splat(token, Vec3::ZERO);
         let mut pressed = zero;

@@ -42,7 +42,7 @@ const PUBLISHED: [Published; 4] = [
 ];
 
 /// Sweeps of restitution, at most: as many as it takes.
-pub(super) const SWEEPS: u32 = 64;
+pub(super) const SWEEPS: u32 = 500;
 
 fn run(rig: &Rig) -> Result<Findings, Error> {
     let rates: &[f32] = if rig.quick { &[1e3, 100.0] } else { &[1e4, 1e3, 250.0, 100.0] };
