@@ -12,6 +12,7 @@ pub mod lanes;
 pub mod pose;
 pub mod room;
 pub mod rotation;
+pub mod share;
 pub mod snapshot;
 pub mod trig;
 

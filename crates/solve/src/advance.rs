@@ -6,6 +6,7 @@
 use crate::line::{Columns, Drift, Line, Role};
 use rayon::prelude::*;
 use rockfall_math::lanes::Row;
+use rockfall_math::share::Share;
 use rockfall_math::{Quat, Vec3};
 
 /// Rows that one thread takes at a time.
@@ -64,6 +65,7 @@ pub(crate) fn advance<A: Advance>(columns: &mut Columns<'_>, change: &A) {
     )
         .into_par_iter()
         .with_min_len(ROWS)
+        .shared()
         .for_each(
             |(line, drift, reference, rotation, frame, inverse_moments, damping, &role, &locks)| {
                 change.advance(Body {

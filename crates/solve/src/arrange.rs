@@ -14,6 +14,7 @@ use crate::shelf::{CLASSES, Class, HOT, Key, Lane, Names, Shelf, Slack};
 use crate::words::Words;
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
+use rockfall_math::share::{Share, ShareSort};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// A contact when all are sorted: its place, and its two rows, the second marked where contacts can't move it.
@@ -79,7 +80,7 @@ impl<const P: usize, const T: usize> Shelf<P, T> {
         regroup(&mut self.blocks, Block::IDLE, &sources);
         regroup(&mut self.names, Names::IDLE, &sources);
         regroup(&mut self.slacks, Slack::IDLE, &sources);
-        let here = self.blocks.par_iter_mut().zip(rows.par_chunks_exact(LANES)).with_min_len(256);
+        let here = self.blocks.par_iter_mut().zip(rows.par_chunks_exact(LANES)).with_min_len(256).shared();
         here.for_each(|(block, rows)| {
             for (lane, &[a, b]) in rows.iter().enumerate() {
                 (block.a[lane], block.b[lane]) = (a, b);
@@ -104,8 +105,8 @@ fn regroup<B: Copy>(table: &mut Vec<B>, idle: B, sources: &[u32]) {
             _ if source == NOBODY => idle[0].load(Relaxed),
             source => words.row(source / LANES)[c][source % LANES].load(Relaxed),
         };
-        sources.par_iter().with_min_len(4096).map(read).collect_into_vec(&mut column);
-        column.par_chunks_exact(LANES).enumerate().with_min_len(256).for_each(|(block, column)| {
+        sources.par_iter().with_min_len(4096).shared().map(read).collect_into_vec(&mut column);
+        column.par_chunks_exact(LANES).enumerate().with_min_len(256).shared().for_each(|(block, column)| {
             words.row(block)[c].iter().zip(column).for_each(|(word, &x)| word.store(x, Relaxed));
         });
     }
@@ -169,6 +170,7 @@ impl Contacts {
         let blank: Vec<u32> = entries
             .par_iter_mut()
             .enumerate()
+            .shared()
             .filter_map(|(i, entry)| {
                 let color = self.keys(entry.lane.class())[entry.lane.block()].color();
                 let old = self.rows_at(entry.lane);
@@ -182,7 +184,7 @@ impl Contacts {
             })
             .collect();
         let of = |&i: &u32| Blank::new(entries[i as usize].a, entries[i as usize].b, i);
-        let blanks: Vec<Blank> = blank.par_iter().map(of).collect();
+        let blanks: Vec<Blank> = blank.par_iter().shared().map(of).collect();
         blank.into_iter().zip(painter.paint(&blanks)).collect()
     }
 
@@ -202,6 +204,7 @@ impl Contacts {
         let painted = |i: u32| painted.binary_search_by_key(&i, |&(i, _)| i).map(|at| painted[at].1);
         let mut places: Vec<(Key, u32)> = (entries, 0..entries.len() as u32)
             .into_par_iter()
+            .shared()
             .filter(|(entry, _)| entry.lane.class() == class)
             .map(|(&Entry { lane, a, b }, i)| {
                 let old = keys[lane.block()];
@@ -211,20 +214,21 @@ impl Contacts {
                 (Key::new(phase, tile, color, class, old.is_cold()), i)
             })
             .collect();
-        places.par_sort_unstable();
+        places.sort_shared();
         places
     }
 }
 
 /// Contacts of each of so many bodies: with bodies that contacts move, and with others.
 fn degrees(entries: &[Entry], rows: usize) -> Vec<[u32; 2]> {
-    let counts: Vec<[AtomicU32; 2]> = (0..rows).into_par_iter().map(|_| Default::default()).collect();
-    entries.par_iter().with_min_len(4096).for_each(|&Entry { a, b, .. }| {
+    let counts: Vec<[AtomicU32; 2]> =
+        (0..rows).into_par_iter().shared().map(|_| Default::default()).collect();
+    entries.par_iter().with_min_len(4096).shared().for_each(|&Entry { a, b, .. }| {
         let side = usize::from(b & FIXED != 0);
         counts[a as usize][side].fetch_add(1, Relaxed);
         if side == 0 {
             counts[b as usize][side].fetch_add(1, Relaxed);
         }
     });
-    counts.into_par_iter().map(|count| count.map(AtomicU32::into_inner)).collect()
+    counts.into_par_iter().shared().map(|count| count.map(AtomicU32::into_inner)).collect()
 }

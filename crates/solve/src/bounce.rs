@@ -20,11 +20,11 @@ use crate::advance::Stay;
 use crate::block::{Block, load, load3, store};
 use crate::contacts::Contacts;
 use crate::drift::Integrator;
-use crate::iterate::rub;
+use crate::iterate::{Place, rub};
 use crate::line::Columns;
 use crate::plan::Span;
 use crate::respond::Plan;
-use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, gather_drift, sweep};
+use crate::sweep::{Beside, BodyLanes, Rows, Take, Visit, sweep};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Lanes, Lanes3, Width};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -35,8 +35,12 @@ const ROUNDS: usize = 4;
 /// Velocities that change by less in a sweep are done: a share of the threshold, and no less than this, m/s.
 const CALM: (f32, f32) = (0.05, 1e-3);
 
-/// Gives every point that hit its share of the approach velocity back.
-pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan) {
+/// The latter where nothing but these velocities decides what becomes of the energy.
+const CALM_RETRACED: f32 = 1e-4;
+
+/// Gives every point that hit its share of the approach velocity back. Where it is `retraced`, what is perfectly elastic stays where it is
+/// while it bounces ([`crate::retrace`]), and has its own speed back.
+pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan, retraced: bool) {
     if contacts.colds.is_empty() {
         return;
     }
@@ -45,9 +49,17 @@ pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, 
         Integrator::SecondOrder => 0.0,
     };
     let threshold = plan.restitution_threshold;
-    let calm = CALM.1.max(CALM.0 * threshold);
-    let mut visit =
-        Bounce { threshold, gravity: plan.gravity, ahead, calm, all: false, stirred: AtomicBool::new(false) };
+    let calm = if retraced { CALM_RETRACED } else { CALM.1 };
+    let calm = calm.max(CALM.0 * threshold);
+    let mut visit = Bounce {
+        threshold,
+        gravity: plan.gravity,
+        ahead,
+        calm,
+        retraced,
+        all: false,
+        stirred: AtomicBool::new(false),
+    };
     for _ in 0..plan.bounces {
         sweep(contacts, columns, width, &Stay, &visit);
         if !std::mem::take(visit.stirred.get_mut()) {
@@ -66,6 +78,8 @@ struct Bounce {
     ahead: f32,
     /// Changes up to this don't count, m/s.
     calm: f32,
+    /// Whether what is perfectly elastic stays where it is.
+    retraced: bool,
     /// Whether points take part that did not hit.
     all: bool,
     /// Whether a change counted.
@@ -87,15 +101,14 @@ impl Visit for Bounce {
         let mut a = BodyLanes::gather(token, rows, &block.a, k, Take::Whole);
         let take = if one_sided { Take::Fixed } else { Take::Whole };
         let mut b = BodyLanes::gather(token, rows, &block.b, k, take);
-        let normal: Lanes3<L> = load3(token, &block.normal, k);
-        let offset: Lanes3<L> = load3(token, &block.offset, k);
         let zero = L::splat(token, 0.0);
-        let (pa, ta) = gather_drift(token, rows, &block.a, k);
-        let (pb, tb) = gather_drift(token, rows, &block.b, k);
-        let gap = normal.dot(pb - pa);
+        let place = Place::new(token, rows, block, k, one_sided);
+        let Place { normal, offset, gap, turns: [ta, tb] } = place;
         let restitution: L = load(token, &cold.restitution, k);
         // Relative acceleration along the normal of two bodies in free flight.
         let pull = normal.dot(Lanes3::splat(token, self.gravity)) * (b.gravity_scale - a.gravity_scale);
+        let pull =
+            if self.retraced { L::select(restitution.lt(L::splat(token, 1.0)), pull, zero) } else { pull };
         let ahead = pull * L::splat(token, self.ahead);
         let mut middle = Lanes3::splat(token, Vec3::ZERO);
         let mut pressed = zero;
@@ -139,7 +152,7 @@ impl Visit for Bounce {
             pressed = pressed + load(token, &block.impulses[p], k);
         }
         let middle = middle.scale(L::splat(token, 1.0 / P as f32));
-        rub(token, block, k, &mut a, &mut b, normal, middle, pressed);
+        rub(token, block, k, &mut a, &mut b, &place, middle, pressed);
         a.scatter(rows, &block.a, k);
         if !one_sided {
             b.scatter(rows, &block.b, k);

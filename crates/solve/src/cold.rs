@@ -10,6 +10,7 @@ use crate::shelf::Shelf;
 use rayon::prelude::*;
 use rockfall_math::Mat3;
 use rockfall_math::disjoint::DisjointRows;
+use rockfall_math::share::Share;
 
 impl Contacts {
     /// Fills in what follows from the bodies' state in all cold halves.
@@ -31,7 +32,7 @@ fn shelf<const P: usize, const T: usize>(
     colds: &DisjointRows<'_, Cold>,
     line: &(impl Fn(u32) -> Line + Sync),
 ) {
-    shelf.blocks.par_iter().enumerate().with_min_len(16).for_each(|(i, block)| {
+    shelf.blocks.par_iter().enumerate().with_min_len(16).shared().for_each(|(i, block)| {
         if let Some(cold) = cold_of(&shelf.colds, i).filter(|_| !shelf.keys[i].is_parked()) {
             // SAFETY: every cold half belongs to one block.
             let cold = unsafe { colds.row(cold) };

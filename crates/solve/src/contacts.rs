@@ -16,6 +16,7 @@ use crate::shelf::{Class, Cut, HOT, Key, Lane, Shelf, TILE};
 use crate::total::Totals;
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
+use rockfall_math::share::{Share, ShareSort};
 use std::collections::BTreeMap;
 
 /// One idle lane in so many is too much.
@@ -150,9 +151,10 @@ impl Contacts {
         let copies = &self.copies;
         let blank = |arrival: &&mut Found| arrival.memory.color == NO_COLOR;
         let mut found: Vec<&mut Found> =
-            arrivals.par_iter_mut().flat_map_iter(|group| group.iter_mut().filter(blank)).collect();
+            arrivals.par_iter_mut().shared().flat_map_iter(|group| group.iter_mut().filter(blank)).collect();
         let blanks: Vec<Blank> = found
             .par_iter_mut()
+            .shared()
             .map(|arrival| {
                 let m = &mut arrival.manifold;
                 (m.a, m.b) = copies.place(m.a, m.b, arrival.ordinal.into());
@@ -160,8 +162,8 @@ impl Contacts {
             })
             .collect();
         let colors = self.painter.paint(&blanks);
-        self.crowded = colors.par_iter().any(|&color| color == OVERFLOW);
-        found.into_par_iter().zip(colors).for_each(|(arrival, color)| arrival.memory.color = color);
+        self.crowded = colors.par_iter().shared().any(|&color| color == OVERFLOW);
+        found.into_par_iter().zip(colors).shared().for_each(|(arrival, color)| arrival.memory.color = color);
     }
 
     /// Whether so many lanes are idle, since contacts have ended, that sorting all contacts into new blocks is worth it.
@@ -184,11 +186,12 @@ impl Contacts {
         let mut places: Vec<(Key, u32, u32)> = arrivals
             .par_iter()
             .enumerate()
+            .shared()
             .flat_map_iter(|(group, arrivals)| {
                 arrivals.iter().zip(0..).map(move |(arrival, i)| (arrival.key(cut), group as u32, i))
             })
             .collect();
-        places.par_sort_unstable();
+        places.sort_shared();
         for group in places.chunk_by(|a, b| a.0 == b.0) {
             let key = group[0].0;
             let mut free = std::mem::take(&mut self.buckets.entry(key).or_default().free);
@@ -203,7 +206,10 @@ impl Contacts {
         }
         let Contacts { ball, one, two, four, colds, painter, .. } = self;
         let desk = Desk::new((ball, one, two, four), colds, painter, cut);
-        arrivals.par_iter().for_each(|arrivals| arrivals.iter().for_each(|arrival| desk.write(arrival)));
+        arrivals
+            .par_iter()
+            .shared()
+            .for_each(|arrivals| arrivals.iter().for_each(|arrival| desk.write(arrival)));
     }
 
     /// Adds a block to a bucket. Returns its first lane, the others go to `free`.

@@ -25,6 +25,7 @@ use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
 use rockfall_math::lanes::Row;
+use rockfall_math::share::Share;
 use rockfall_math::snapshot::{Error, Reader, Writer};
 use rockfall_math::stored_plain;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -98,6 +99,7 @@ impl Copies {
         let mut next = Copies::none(degrees.len());
         next.splits = (degrees, 0..next.bodies)
             .into_par_iter()
+            .shared()
             .filter(|([pairs, grounds], _)| pairs.max(grounds) > &CROWD)
             .map(|(&[pairs, grounds], row)| {
                 let count = wanted(pairs.max(grounds), before(row));
@@ -253,6 +255,7 @@ impl Copies {
         (copied_lines, copied_drifts, &self.owners, &self.shares)
             .into_par_iter()
             .with_min_len(1024)
+            .shared()
             .for_each(|(line, drift, &owner, &share)| {
                 *line = share_of(lines[owner as usize], share);
                 *drift = drifts[owner as usize];
@@ -270,6 +273,7 @@ impl Copies {
         let (drifts, copied_drifts) = columns.drifts.split_at(bodies);
         splits
             .par_iter()
+            .shared()
             .map(|split| {
                 let copies = split.first as usize..(split.first + split.count) as usize;
                 let row = split.row as usize;
@@ -320,7 +324,8 @@ impl Contacts {
         // Whole numbers: their sums don't know in which order they are added.
         let counts: Vec<AtomicU64> = self.copies.owners.iter().map(|_| AtomicU64::new(0)).collect();
         let (first, counts) = (self.copies.bodies, &counts[..]);
-        self.buckets.par_iter().filter(|(key, _)| key.is_of_copies()).for_each(|(key, bucket)| {
+        let buckets: Vec<_> = self.buckets.iter().filter(|(key, _)| key.is_of_copies()).collect();
+        buckets.into_par_iter().shared().for_each(|(key, bucket)| {
             bucket.blocks.iter().for_each(|&block| match key.class() {
                 Class::Ball => count(&self.ball.blocks[block as usize], first, counts),
                 Class::One => count(&self.one.blocks[block as usize], first, counts),

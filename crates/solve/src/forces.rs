@@ -6,6 +6,7 @@ use crate::contacts::Contacts;
 use crate::shelf::{Key, Shelf};
 use rayon::prelude::*;
 use rockfall_math::DVec3;
+use rockfall_math::share::Share;
 
 /// Sums over all contacts that are not parked.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,7 +49,7 @@ fn shelf<const P: usize, const T: usize>(
     unit: f64,
     awake: &(impl Fn(u32) -> bool + Sync),
 ) -> Forces {
-    let blocks = shelf.blocks.par_iter().zip(&shelf.keys).with_min_len(16);
+    let blocks = shelf.blocks.par_iter().zip(&shelf.keys).with_min_len(16).shared();
     let add = |forces: Forces, (block, key): (&Block<P, T>, &Key)| {
         if key.is_parked() { forces } else { forces.and(block_of(block, key.is_one_sided(), unit, awake)) }
     };

@@ -69,30 +69,62 @@ impl<const RELAX: bool> Visit for Iterate<RELAX> {
         if plain_balls {
             iterate_balls::<L, P, T, RELAX>(token, step, rows, block, k, one_sided, bodies);
         } else {
-            let normal: Lanes3<L> = load3(token, &block.normal, k);
+            let place = Place::new(token, rows, block, k, one_sided);
             if !RELAX {
-                hold(token, block, cold.as_deref_mut(), k, normal, (&mut a, &mut b));
+                let soon = if one_sided { place.after(token, step.h, &a, &b) } else { place };
+                hold(token, block, cold.as_deref_mut(), k, &soon, (&mut a, &mut b));
             }
             let bodies = (&mut a, &mut b);
-            press::<L, P, T, RELAX>(
-                token,
-                step,
-                rows,
-                block,
-                cold.as_deref_mut(),
-                k,
-                one_sided,
-                normal,
-                bodies,
-            );
+            press::<L, P, T, RELAX>(token, step, block, cold.as_deref_mut(), k, one_sided, &place, bodies);
             if RELAX {
-                hold(token, block, cold, k, normal, (&mut a, &mut b));
+                hold(token, block, cold, k, &place, (&mut a, &mut b));
             }
         }
         a.scatter(rows, &block.a, k);
         if !one_sided {
             b.scatter(rows, &block.b, k);
         }
+    }
+}
+
+/// Where two bodies are.
+#[derive(Clone, Copy)]
+pub(crate) struct Place<L> {
+    /// From a to b.
+    pub(crate) normal: Lanes3<L>,
+    /// Centre of mass of b seen from that of a, metres.
+    pub(crate) offset: Lanes3<L>,
+    /// By how much they have parted along the normal since the step began, their turns aside, metres.
+    pub(crate) gap: L,
+    /// How far a and b have turned since then, rad.
+    pub(crate) turns: [Lanes3<L>; 2],
+}
+
+impl<L: Lanes> Place<L> {
+    /// Of a contact now. It goes with the first of its bodies; so where that one is carried by a body that turns, the arm from the other's
+    /// centre is the one that has moved. Between two bodies that contacts move either may be the smaller one, and both arms stay what they were.
+    #[inline(always)]
+    pub(crate) fn new<const P: usize, const T: usize>(
+        token: L::Token,
+        rows: &Rows<'_>,
+        block: &Block<P, T>,
+        k: usize,
+        one_sided: bool,
+    ) -> Self {
+        let normal: Lanes3<L> = load3(token, &block.normal, k);
+        let offset: Lanes3<L> = load3(token, &block.offset, k);
+        let (way_a, turn_a) = gather_drift(token, rows, &block.a, k);
+        let (way_b, turn_b) = gather_drift(token, rows, &block.b, k);
+        let apart = way_b - way_a;
+        let offset = if one_sided { offset + apart } else { offset };
+        Place { normal, offset, gap: normal.dot(apart), turns: [turn_a, turn_b] }
+    }
+
+    /// `h` seconds later. *Solve* comes before bodies drift and *relax* after it: were each to rub where bodies are, one would take back in every
+    /// sub-step what the other gave, and what relaxes last tips a box that a turntable carries.
+    #[inline(always)]
+    fn after(self, token: L::Token, h: f32, a: &BodyLanes<L>, b: &BodyLanes<L>) -> Self {
+        Place { offset: self.offset + (b.v - a.v).scale(L::splat(token, h)), ..self }
     }
 }
 
@@ -104,10 +136,11 @@ fn hold<L: Lanes, const P: usize, const T: usize>(
     block: &mut Block<P, T>,
     cold: Option<&mut Cold>,
     k: usize,
-    normal: Lanes3<L>,
+    place: &Place<L>,
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
     let zero = L::splat(token, 0.0);
+    let normal = place.normal;
     let mut middle = Lanes3::splat(token, Vec3::ZERO);
     let mut pressed = zero;
     for p in 0..P {
@@ -116,7 +149,7 @@ fn hold<L: Lanes, const P: usize, const T: usize>(
     }
     let middle = middle.scale(L::splat(token, 1.0 / P as f32));
 
-    rub(token, block, k, a, b, normal, middle, pressed);
+    rub(token, block, k, a, b, place, middle, pressed);
     for twist in 0..T {
         let mass = load(token, &block.twist_mass[twist], k);
         let limit = load::<L>(token, &block.twist_limit[twist], k) * pressed;
@@ -140,18 +173,13 @@ fn hold<L: Lanes, const P: usize, const T: usize>(
 fn press<L: Lanes, const P: usize, const T: usize, const RELAX: bool>(
     token: L::Token,
     step: &SubStep,
-    rows: &Rows<'_>,
     block: &mut Block<P, T>,
     mut cold: Option<&mut Cold>,
     k: usize,
     one_sided: bool,
-    normal: Lanes3<L>,
+    &Place { normal, offset, gap, turns: [ta, tb] }: &Place<L>,
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
-    let offset: Lanes3<L> = load3(token, &block.offset, k);
-    let (pa, ta) = gather_drift(token, rows, &block.a, k);
-    let (pb, tb) = gather_drift(token, rows, &block.b, k);
-    let gap = normal.dot(pb - pa);
     for p in 0..P {
         let arm_a = load3(token, &block.arms[p], k);
         let arm_b = arm_a - offset;
@@ -233,11 +261,11 @@ pub(crate) fn rub<L: Lanes, const P: usize, const T: usize>(
     k: usize,
     a: &mut BodyLanes<L>,
     b: &mut BodyLanes<L>,
-    normal: Lanes3<L>,
+    &Place { normal, offset, .. }: &Place<L>,
     middle: Lanes3<L>,
     pressed: L,
 ) {
-    let arm_b = middle - load3(token, &block.offset, k);
+    let arm_b = middle - offset;
     let (s, t) = tangents(token, normal);
     let slip = b.at(arm_b) - a.at(middle);
     let (slip_s, slip_t) = (s.dot(slip), t.dot(slip));

@@ -26,6 +26,7 @@ mod plan;
 pub mod push;
 pub mod reflect;
 pub mod respond;
+mod retrace;
 mod shelf;
 mod single;
 mod snapshot;

@@ -13,6 +13,7 @@
 use crate::manifold::{FIXED, NO_COLOR};
 use rayon::prelude::*;
 use rockfall_math::hash::{combine, mix};
+use rockfall_math::share::Share;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// Colours of manifolds that are solved in parallel.
@@ -89,7 +90,7 @@ impl Painter {
     pub(crate) fn clear(&mut self, rows: usize) {
         self.resize(rows);
         let all = self.pairs.par_iter_mut().chain(&mut self.grounds);
-        all.with_min_len(4096).for_each(|mask| *mask = AtomicU64::new(0));
+        all.with_min_len(4096).shared().for_each(|mask| *mask = AtomicU64::new(0));
     }
 
     fn masks(&self, a: u32, b: Option<u32>) -> impl Iterator<Item = &AtomicU64> {
@@ -125,34 +126,34 @@ impl Painter {
     /// A colour below [`COLORS`], or [`OVERFLOW`], for each of some contacts that have none; it is taken at their bodies.
     pub(crate) fn paint(&self, blanks: &[Blank]) -> Vec<u32> {
         let Painter { tops, degrees, .. } = self;
-        let colors: Vec<AtomicU32> = blanks.par_iter().map(|_| AtomicU32::new(NO_COLOR)).collect();
-        let rows = || blanks.par_iter().flat_map_iter(Blank::rows);
+        let colors: Vec<AtomicU32> = blanks.par_iter().shared().map(|_| AtomicU32::new(NO_COLOR)).collect();
+        let rows = || blanks.par_iter().shared().flat_map_iter(Blank::rows);
         rows().for_each(|row| degrees[row].store(0, Relaxed));
         rows().for_each(|row| {
             degrees[row].fetch_add(1, Relaxed);
         });
-        let mut left: Vec<(&Blank, &AtomicU32)> = blanks.par_iter().zip(&colors).collect();
-        left.par_iter().for_each(|(blank, color)| {
+        let mut left: Vec<(&Blank, &AtomicU32)> = blanks.par_iter().zip(&colors).shared().collect();
+        left.par_iter().shared().for_each(|(blank, color)| {
             if blank.rows().any(|row| stands_back(blank.priority, degrees[row].load(Relaxed))) {
                 color.store(OVERFLOW, Relaxed);
             }
         });
         let is_blank = |(_, color): &(&Blank, &AtomicU32)| color.load(Relaxed) == NO_COLOR;
         loop {
-            left = left.into_par_iter().filter(is_blank).collect();
+            left = left.into_par_iter().shared().filter(is_blank).collect();
             if left.is_empty() {
                 break;
             }
-            let rows = || left.par_iter().flat_map_iter(|(blank, _)| blank.rows());
+            let rows = || left.par_iter().shared().flat_map_iter(|(blank, _)| blank.rows());
             rows().for_each(|row| tops[row].store(0, Relaxed));
-            left.par_iter().for_each(|(blank, _)| {
+            left.par_iter().shared().for_each(|(blank, _)| {
                 blank.rows().for_each(|row| {
                     tops[row].fetch_max(blank.priority, Relaxed);
                 });
             });
             let taken =
                 |blank: &Blank| self.masks(blank.a, blank.b).fold(0, |all, mask| all | mask.load(Relaxed));
-            left.par_iter().for_each(|(blank, color)| {
+            left.par_iter().shared().for_each(|(blank, color)| {
                 if blank.rows().all(|row| tops[row].load(Relaxed) == blank.priority) {
                     // The only winner at its bodies: nobody else touches these masks in this round.
                     let found = taken(blank).trailing_ones().min(OVERFLOW);
@@ -161,13 +162,13 @@ impl Painter {
                 }
             });
             // A body without a free colour can't lose its blanks one a round.
-            left.par_iter().filter(|blank| is_blank(blank) && taken(blank.0) == u64::MAX).for_each(
+            left.par_iter().shared().filter(|blank| is_blank(blank) && taken(blank.0) == u64::MAX).for_each(
                 |(_, color)| {
                     color.store(OVERFLOW, Relaxed);
                 },
             );
         }
-        colors.into_par_iter().map(AtomicU32::into_inner).collect()
+        colors.into_par_iter().shared().map(AtomicU32::into_inner).collect()
     }
 }
 

@@ -11,6 +11,7 @@ use crate::line::{Columns, Drift, Line};
 use crate::plan::Span;
 use crate::push::Push;
 use crate::reflect::reflect_pair;
+use crate::retrace::Starts;
 use crate::soft::{Softness, SubStep};
 use crate::sweep::{Beside, Rows, Visit, sweep};
 use crate::warm::warm;
@@ -77,6 +78,7 @@ pub fn soft_step(
     let transform = Transform::new(h, plan.gravity, plan.integrator);
     let exact = plan.integrator == Integrator::SecondOrder;
     contacts.clear_totals();
+    let starts = Starts::new(contacts, columns, plan);
     for i in 0..plan.substeps {
         let push = Push { gravity: plan.gravity, h, first: i == 0, count: plan.pushes(i, 1), exact };
         if push.first {
@@ -92,7 +94,10 @@ pub fn soft_step(
         }
     }
     let solved = Instant::now();
-    bounce(contacts, columns, width, plan);
+    bounce(contacts, columns, width, plan, starts.is_some());
+    if let Some(starts) = starts {
+        starts.retrace(contacts, columns, width, plan);
+    }
     contacts.add_up();
     [solved - start, solved.elapsed()]
 }

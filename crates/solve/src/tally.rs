@@ -5,6 +5,7 @@ use crate::contacts::Contacts;
 use crate::manifold::FIXED;
 use crate::shelf::{Names, Shelf};
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 
 /// Blocks whose counts and depths are added up in one go.
 const RUN: usize = 64;
@@ -90,7 +91,12 @@ impl Tally {
 impl Contacts {
     /// Counts everything.
     pub fn tally(&self) -> Tally {
-        tally(&self.ball).and(tally(&self.one)).and(tally(&self.two)).and(tally(&self.four))
+        let mut all = Tally::default();
+        tally(&mut all, &self.ball);
+        tally(&mut all, &self.one);
+        tally(&mut all, &self.two);
+        tally(&mut all, &self.four);
+        all
     }
 
     /// The two rows of every contact, the second marked where contacts can't move it; in any order.
@@ -101,14 +107,21 @@ impl Contacts {
     }
 }
 
-fn tally<const P: usize, const T: usize>(shelf: &Shelf<P, T>) -> Tally {
-    let runs = shelf.blocks.par_chunks(RUN).zip(shelf.names.par_chunks(RUN));
+/// Adds the blocks of a shelf: one after the other where they are few, since a tally is a kilobyte to be made and added.
+fn tally<const P: usize, const T: usize>(all: &mut Tally, shelf: &Shelf<P, T>) {
+    let add = |tally: &mut Tally, blocks: &[Block<P, T>], names: &[Names<P>]| {
+        blocks.iter().zip(names).for_each(|(block, names)| count(tally, block, names));
+    };
+    if shelf.blocks.len() <= RUN {
+        return add(all, &shelf.blocks, &shelf.names);
+    }
+    let runs = shelf.blocks.par_chunks(RUN).zip(shelf.names.par_chunks(RUN)).shared();
     let tally = |(blocks, names): (&[Block<P, T>], &[Names<P>])| {
         let mut tally = Tally::default();
-        blocks.iter().zip(names).for_each(|(block, names)| count(&mut tally, block, names));
+        add(&mut tally, blocks, names);
         tally
     };
-    runs.map(tally).reduce(Tally::default, Tally::and)
+    *all = all.and(runs.map(tally).reduce(Tally::default, Tally::and));
 }
 
 /// 2⁵². Added to a number and taken off again, it leaves a whole number.
@@ -141,7 +154,7 @@ fn count<const P: usize, const T: usize>(tally: &mut Tally, block: &Block<P, T>,
 fn rows<const P: usize, const T: usize>(
     shelf: &Shelf<P, T>,
 ) -> impl ParallelIterator<Item = (u32, u32)> + '_ {
-    shelf.blocks.par_iter().zip(&shelf.keys).flat_map_iter(|(block, key)| {
+    shelf.blocks.par_iter().zip(&shelf.keys).shared().flat_map_iter(|(block, key)| {
         let mark = if key.is_one_sided() { FIXED } else { 0 };
         let lanes = block.a.iter().zip(&block.b).filter(|(a, _)| **a != 0);
         lanes.map(move |(&a, &b)| (a, b | mark))

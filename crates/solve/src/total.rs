@@ -7,6 +7,7 @@ use crate::block::{Block, Column, LANES};
 use crate::contacts::Contacts;
 use crate::shelf::{Class, Lane};
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 
 /// Sums for the blocks of each class.
 #[derive(Debug, Default)]
@@ -66,7 +67,7 @@ impl Contacts {
     /// A sub-step ends.
     pub(crate) fn add_up(&mut self) {
         fn add<const P: usize, const T: usize>(totals: &mut [[Column; P]], blocks: &[Block<P, T>]) {
-            totals.par_iter_mut().zip(blocks).with_min_len(64).for_each(|(total, block)| {
+            totals.par_iter_mut().zip(blocks).with_min_len(64).shared().for_each(|(total, block)| {
                 let sums = total.as_flattened_mut().iter_mut();
                 sums.zip(block.impulses.as_flattened()).for_each(|(sum, impulse)| *sum += impulse);
             });

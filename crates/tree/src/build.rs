@@ -4,6 +4,7 @@ use crate::morton::Grid;
 use crate::order::order;
 use crate::{Block, MAX_LEVELS, NOWHERE, Tree, WIDTH, hilbert};
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 use rockfall_math::{Aabb, Vec3};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -26,6 +27,7 @@ impl Tree {
         let codes: Vec<u64> = items
             .par_iter()
             .with_min_len(GRAIN)
+            .shared()
             .map(|item| {
                 let area = area_of(item);
                 let holds = area.min.cmple(area.max).all();
@@ -34,13 +36,15 @@ impl Tree {
             .collect();
         let mut order = order(&codes);
         drop(codes);
-        order.par_iter_mut().with_min_len(GRAIN).for_each(|place| *place = items[*place as usize]);
+        order.par_iter_mut().with_min_len(GRAIN).shared().for_each(|place| *place = items[*place as usize]);
         // Atomic, so that all threads can write: each place is written once.
-        let end = order.par_iter().max().map_or(0, |&last| last as usize + 1);
+        let end = order.par_iter().shared().max().map_or(0, |&last| last as usize + 1);
         let places: Vec<AtomicU32> = (0..end).map(|_| AtomicU32::new(NOWHERE)).collect();
-        order.par_iter().zip(0..order.len() as u32).with_min_len(GRAIN).for_each(|(&item, place)| {
-            places[item as usize].store(place, Relaxed);
-        });
+        order.par_iter().zip(0..order.len() as u32).with_min_len(GRAIN).shared().for_each(
+            |(&item, place)| {
+                places[item as usize].store(place, Relaxed);
+            },
+        );
         let places = places.into_iter().map(AtomicU32::into_inner).collect();
 
         let mut tree = Tree { order, places, ..Tree::default() };
@@ -82,6 +86,7 @@ fn populated(items: &[u32], area_of: &(impl Fn(&u32) -> Aabb + Sync)) -> Aabb {
     let all = items
         .par_iter()
         .with_min_len(GRAIN)
+        .shared()
         .map(|item| area_of(item).center())
         .filter(|centre| centre.is_finite())
         .map(|centre| Aabb::new(centre, centre))

@@ -3,6 +3,7 @@
 use crate::{Tree, WIDTH};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
+use rockfall_math::share::Share;
 
 /// Blocks that one task fills.
 const GRAIN: usize = 256;
@@ -29,11 +30,11 @@ impl Tree {
             let (below, here) = lanes.split_at_mut(self.starts[level] * WIDTH);
             if level == 0 {
                 let here = here.par_iter_mut().zip(&self.order);
-                here.with_min_len(GRAIN * WIDTH).for_each(|(lane, &of)| *lane = item(of));
+                here.with_min_len(GRAIN * WIDTH).shared().for_each(|(lane, &of)| *lane = item(of));
             } else {
                 let children = below[self.starts[level - 1] * WIDTH..].par_chunks(WIDTH);
                 let here = here.par_iter_mut().zip(children);
-                here.with_min_len(GRAIN).for_each(|(lane, children)| {
+                here.with_min_len(GRAIN).shared().for_each(|(lane, children)| {
                     *lane = children.iter().fold(none, |all, &child| join(all, child));
                 });
             }

@@ -2,6 +2,7 @@
 
 use crate::radix::radix_sort;
 use rayon::prelude::*;
+use rockfall_math::share::{Share, ShareSort};
 
 /// Items that one task packs, and the shortest stretch of equals that is sorted by many.
 const GRAIN: usize = 2048;
@@ -18,17 +19,18 @@ pub(crate) fn order(codes: &[u64]) -> Vec<u32> {
     }
     // The 32 leading bits of what is in use, besides the item: half the memory, and half the passes, of whole codes. `u64::MAX`
     // means no place at all and must not make all others equal.
-    let largest = codes.par_iter().with_min_len(GRAIN).filter(|&&code| code != u64::MAX).max();
+    let largest = codes.par_iter().with_min_len(GRAIN).shared().filter(|&&code| code != u64::MAX).max();
     let shift = 32_u32.saturating_sub(largest.map_or(64, |code| code.leading_zeros()));
     let mut packed: Vec<u64> = codes
         .par_iter()
         .zip(0..codes.len() as u32)
         .with_min_len(GRAIN)
+        .shared()
         .map(|(&code, item)| (code >> shift).min(u64::from(u32::MAX)) << 32 | u64::from(item))
         .collect();
     radix_sort(&mut packed, 32..64);
     resolve(&mut packed, codes);
-    packed.par_iter().with_min_len(GRAIN).map(|&key| key as u32).collect()
+    packed.par_iter().with_min_len(GRAIN).shared().map(|&key| key as u32).collect()
 }
 
 /// Sorts stretches that are equal in their upper half by whole codes.
@@ -44,11 +46,11 @@ fn resolve(packed: &mut [u64], codes: &[u64]) {
         stretches.push(here);
         rest = after;
     }
-    stretches.into_par_iter().for_each(|stretch| {
+    stretches.into_par_iter().shared().for_each(|stretch| {
         for equals in stretch.chunk_by_mut(same) {
             let code = |key: &u64| (codes[*key as u32 as usize], *key as u32);
             if equals.len() > 1 && !equals.is_sorted_by_key(code) {
-                equals.par_sort_unstable_by_key(code);
+                equals.sort_shared_by_key(code);
             }
         }
     });

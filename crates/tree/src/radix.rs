@@ -4,6 +4,7 @@
 //! digit go; the room is cut into these places, so that all threads write at once and none writes where another does.
 
 use rayon::prelude::*;
+use rockfall_math::share::{self, Share};
 use std::ops::Range;
 use std::slice::IterMut;
 
@@ -25,11 +26,12 @@ pub(crate) fn radix_sort(numbers: &mut Vec<u64>, bits: Range<u32>) {
 }
 
 fn pass(from: &[u64], to: &mut [u64], first: u32, digit: u32) {
-    let share = from.len().div_ceil(rayon::current_num_threads()).max(GRAIN);
+    let share = from.len().div_ceil(share::threads()).max(GRAIN);
     let (mask, digits) = ((1_u64 << digit) - 1, 1_usize << digit);
     let digit_of = |number: u64| (number >> first & mask) as usize;
     let counts: Vec<Vec<u32>> = from
         .par_chunks(share)
+        .shared()
         .map(|numbers| {
             let mut counts = vec![0_u32; digits];
             numbers.iter().for_each(|&number| counts[digit_of(number)] += 1);
@@ -46,7 +48,7 @@ fn pass(from: &[u64], to: &mut [u64], first: u32, digit: u32) {
             rest = after;
         }
     }
-    from.par_chunks(share).zip(&mut places).for_each(|(numbers, places)| {
+    from.par_chunks(share).zip(&mut places).shared().for_each(|(numbers, places)| {
         for &number in numbers {
             if let Some(place) = places[digit_of(number)].next() {
                 *place = number;

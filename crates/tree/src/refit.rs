@@ -3,6 +3,7 @@
 use crate::{Block, NOWHERE, Tree, WIDTH};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
+use rockfall_math::share::{Share, ShareSort, both};
 
 /// Blocks that one task fills.
 const GRAIN: usize = 256;
@@ -21,7 +22,7 @@ impl Tree {
         for level in 0..self.levels {
             let (order, below, here) = self.level_mut(level);
             if level == 0 {
-                here.par_iter_mut().zip(order.par_chunks(WIDTH)).with_min_len(GRAIN).for_each(
+                here.par_iter_mut().zip(order.par_chunks(WIDTH)).with_min_len(GRAIN).shared().for_each(
                     |(block, items)| {
                         for (lane, &item) in items.iter().enumerate() {
                             block.set(lane, &area(item as usize));
@@ -29,7 +30,7 @@ impl Tree {
                     },
                 );
             } else {
-                here.par_iter_mut().zip(below.par_chunks(WIDTH)).with_min_len(GRAIN).for_each(
+                here.par_iter_mut().zip(below.par_chunks(WIDTH)).with_min_len(GRAIN).shared().for_each(
                     |(block, children)| {
                         for (lane, child) in children.iter().enumerate() {
                             block.set(lane, &Block::bounds(child));
@@ -47,7 +48,7 @@ impl Tree {
     /// Items beyond the end of `moved` have not moved; marks of what is not an item are passed over.
     pub fn refit_moved(&mut self, moved: &[bool], area: impl Fn(usize) -> Aabb + Sync) {
         let moved = &moved[..moved.len().min(self.places.len())];
-        let count = moved.par_iter().with_min_len(1 << 16).filter(|&&moved| moved).count();
+        let count = moved.par_iter().with_min_len(1 << 16).shared().filter(|&&moved| moved).count();
         if count > self.len() / FEW {
             return self.refit(area);
         }
@@ -62,7 +63,7 @@ impl Tree {
             let items = marks.iter().zip(chunk * MARKS..).filter(|(moved, _)| **moved);
             stale.extend(items.map(|(_, item)| self.places[item]).filter(|&place| place != NOWHERE));
         }
-        stale.par_sort_unstable();
+        stale.sort_shared();
         for level in 0..self.levels {
             let (order, below, here) = self.level_mut(level);
             if level == 0 {
@@ -98,5 +99,5 @@ fn set_some(blocks: &mut [Block], first: usize, stale: &[u32], area: &(impl Fn(u
     }
     let (left, right) = stale.split_at(cut);
     let (low, high) = blocks.split_at_mut(middle - first);
-    rayon::join(|| set_some(low, first, left, area), || set_some(high, middle, right, area));
+    both(|| set_some(low, first, left, area), || set_some(high, middle, right, area));
 }

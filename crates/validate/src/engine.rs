@@ -68,6 +68,11 @@ impl EngineName {
         EngineName::ALL.into_iter().filter(has).collect()
     }
 
+    /// Whether it is not one of Rockfall's.
+    pub(crate) fn is_peer(self) -> bool {
+        matches!(self, EngineName::Rapier | EngineName::Box3d | EngineName::Jolt)
+    }
+
     /// As on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,8 +2,10 @@
 
 use crate::Error;
 use crate::engine::{DENSITY, Engine, EngineName, Surface, Terms, Thing};
+use cpu_time::ProcessTime;
 use rockfall::math::{DMat3, DVec3, Mat3, Pose, Quat, Vec3, rotation};
 use rockfall::{Kind, Shape};
+use std::time::Duration;
 
 /// What a case is run with.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +18,8 @@ pub(crate) struct Rig {
 impl Rig {
     /// An engine without bodies.
     pub(crate) fn stage(&self, terms: Terms) -> Result<Stage, Error> {
-        Ok(Stage { engine: self.engine.build(&terms)?, terms, bodies: Vec::new(), steps: 0 })
+        let engine = self.engine.build(&terms)?;
+        Ok(Stage { engine, terms, bodies: Vec::new(), steps: 0, spent: Duration::ZERO })
     }
 
     /// The same with the ground z ≤ 0.
@@ -44,6 +47,8 @@ pub(crate) struct Stage {
     /// `None` for what does not move freely.
     bodies: Vec<Option<Weight>>,
     steps: usize,
+    /// Processor time of the steps.
+    spent: Duration,
 }
 
 impl Stage {
@@ -67,7 +72,10 @@ impl Stage {
 
     pub(crate) fn step(&mut self) -> Result<(), Error> {
         self.steps += 1;
-        self.engine.step()
+        let start = ProcessTime::now();
+        let done = self.engine.step();
+        self.spent += start.elapsed();
+        done
     }
 
     /// Steps for so many seconds.
@@ -78,6 +86,11 @@ impl Stage {
     /// Seconds so far.
     pub(crate) fn time(&self) -> f64 {
         self.steps as f64 * self.terms.dt()
+    }
+
+    /// Processor time that the steps took so far, all threads of the process together, s. What cases ask between steps does not count.
+    pub(crate) fn processor(&self) -> f64 {
+        self.spent.as_secs_f64()
     }
 
     /// Numbers of the bodies that move freely.

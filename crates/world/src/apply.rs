@@ -10,6 +10,7 @@ use crate::touches::{Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::Aabb;
 use rockfall_math::room::give_back;
+use rockfall_math::share::{Share, ShareSort};
 use rockfall_solve::{Contacts, Desk, row_of};
 use rockfall_tree::{hilbert, morton::Grid};
 use std::collections::BTreeSet;
@@ -54,17 +55,18 @@ pub(crate) fn apply(
         return turnover(false);
     }
     let alive = |row: &u32| bodies.states[*row as usize] != State::Dead;
-    let mut order: Vec<u32> = (0..rows as u32).into_par_iter().filter(alive).collect();
+    let mut order: Vec<u32> = (0..rows as u32).into_par_iter().shared().filter(alive).collect();
     if sort {
-        order[1..].par_sort_unstable_by_key(|&row| (keys[row as usize], bodies.ids[row as usize]));
+        order[1..].sort_shared_by_key(|&row| (keys[row as usize], bodies.ids[row as usize]));
     } else {
         let old = order.partition_point(|&row| (row as usize) < rows - fresh);
         order[old..].sort_unstable_by_key(|&row| bodies.ids[row as usize]);
     }
     // Decided when all rows are sorted, whether or not a row moves: it must not depend on the order in which bodies were added.
-    let movers = order.par_iter().filter(|row| bodies.is_mover(**row as usize)).count();
+    let movers = order.par_iter().shared().filter(|row| bodies.is_mover(**row as usize)).count();
     let tiled = if sort { movers >= tiles_from } else { contacts.is_tiled() };
-    let sorted = order.len() == rows && order.par_iter().enumerate().all(|(i, &row)| i == row as usize);
+    let sorted =
+        order.len() == rows && order.par_iter().enumerate().shared().all(|(i, &row)| i == row as usize);
     if sorted {
         let split = fresh > 0 && contacts.split_bodies() > 0;
         if tiled != contacts.is_tiled() || split || sparse {
@@ -93,12 +95,14 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
     let bounds = (1..bodies.rows())
         .into_par_iter()
         .with_min_len(4096)
+        .shared()
         .filter(|&row| bodies.is_mover(row))
         .map(|row| Aabb::around(bodies.positions[row], bodies.positions[row]))
         .reduce(|| Aabb::EMPTY, |a, b| a.union(&b));
     let grid = Grid::new(&bounds);
     (0..bodies.rows())
         .into_par_iter()
+        .shared()
         .map(|row| (!bodies.is_mover(row), hilbert(grid.morton(bodies.positions[row].as_vec3()))))
         .collect()
 }
@@ -106,12 +110,12 @@ fn curve(bodies: &Bodies) -> Vec<(bool, u64)> {
 /// Whether many rows do not stand in order. `keys` are their places along the curve, that of the world first.
 fn is_disordered(keys: &[(bool, u64)]) -> bool {
     let before = |pair: &&[(bool, u64)]| pair[1] < pair[0];
-    keys[1..].par_windows(2).with_min_len(4096).filter(before).count() > keys.len() / DISORDER
+    keys[1..].par_windows(2).with_min_len(4096).shared().filter(before).count() > keys.len() / DISORDER
 }
 
 /// What pairs know of a body that was put somewhere else is true no more.
 fn forget(bodies: &Bodies, touches: &mut Touches, desk: &Desk<'_>, stirred: &BTreeSet<u32>) {
-    touches.runs.par_iter_mut().for_each(|run| {
+    touches.runs.par_iter_mut().shared().for_each(|run| {
         for (i, &key) in run.keys.iter().enumerate() {
             let (a, b) = (rows(key).0, row_of(rows(key).1) as u32);
             if stirred.contains(&a) || stirred.contains(&b) {

@@ -3,6 +3,7 @@
 use crate::{Body, Kind};
 use rayon::prelude::*;
 use rockfall_math::lanes::Row;
+use rockfall_math::share::Share;
 use rockfall_math::snapshot::{Error, Reader, Writer};
 use rockfall_math::stored_byte;
 use rockfall_math::{Aabb, DVec3, Mat3, Pose, Quat, Vec3, rotation};
@@ -61,7 +62,7 @@ macro_rules! columns {
 
             /// Row i becomes what was row `order[i]`; rows that `order` does not name are gone.
             pub(crate) fn reorder(&mut self, order: &[u32]) {
-                let rows = || order.par_iter().with_min_len(4096);
+                let rows = || order.par_iter().with_min_len(4096).shared();
                 $(self.$name = rows().map(|&i| self.$name[i as usize].clone()).collect();)*
             }
 

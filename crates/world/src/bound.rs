@@ -9,6 +9,7 @@ use crate::index::Turnover;
 use crate::recall::{LEAP, count_below, count_of, way};
 use crate::{Kind, Settings, Shape};
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 use rockfall_math::{Aabb, Vec3};
 use rockfall_solve::line::Role;
 use std::collections::BTreeSet;
@@ -49,6 +50,7 @@ pub(crate) fn bound(
         .into_par_iter()
         .enumerate()
         .with_min_len(256)
+        .shared()
         .for_each(|(row, (old, reach, line, role, gone, spare, moved))| {
             let (kind, awake) = (bodies.kinds[row], bodies.states[row] == State::Awake);
             // A plane is infinitely large, and would seem to go any way by not turning at all.

@@ -7,6 +7,7 @@ use crate::bodies::Bodies;
 use crate::touches::{Run, Touches, rows};
 use crate::{BodyId, Settings};
 use rayon::prelude::*;
+use rockfall_math::share::{Share, ShareSort};
 use rockfall_math::{DVec3, Vec3};
 use rockfall_solve::{Contacts, row_of};
 
@@ -102,9 +103,9 @@ impl Events {
         self.hits.clear();
         let mut touching: Vec<Touching> = Vec::new();
         if watch.contacts || watch.impulse.is_some() {
-            let runs = touches.runs.par_iter();
+            let runs = touches.runs.par_iter().shared();
             touching = runs.flat_map_iter(|run| touching_in(run, bodies, contacts)).collect();
-            touching.par_sort_unstable_by_key(|(pair, _)| *pair);
+            touching.sort_shared_by_key(|(pair, _)| *pair);
         }
         if let Some(least) = watch.impulse {
             let hits = touching.iter().filter(|(_, impulse)| *impulse > least);
@@ -118,10 +119,10 @@ impl Events {
         self.ended = if watch.contacts { ended } else { Vec::new() };
         if watch.forces {
             let rate = settings.rate * settings.substeps as f32;
-            let runs = touches.runs.par_iter();
+            let runs = touches.runs.par_iter().shared();
             self.forces = runs.flat_map_iter(|run| forces_in(run, bodies, contacts, rate)).collect();
             // A pair's contacts keep the order in which the pair has them.
-            self.forces.par_sort_by_key(|force| force.pair);
+            self.forces.sort_shared_stably_by_key(|force| force.pair);
         }
     }
 

@@ -4,6 +4,7 @@
 
 use crate::bodies::Bodies;
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 use rockfall_tree::Tree;
 
 /// The broad phase of a world. Items of both trees are rows.
@@ -40,7 +41,7 @@ pub(crate) struct Turnover {
 
 /// Brings the trees up to date.
 pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], turnover: Turnover) {
-    let renewed = moved.par_iter().with_min_len(4096).filter(|&&m| m).count();
+    let renewed = moved.par_iter().with_min_len(4096).shared().filter(|&&m| m).count();
     index.worn += renewed;
     if turnover.all {
         index.fixed = tree(bodies, bodies.rows(), false);
@@ -56,7 +57,7 @@ pub(crate) fn index(index: &mut Index, bodies: &Bodies, moved: &[bool], turnover
 
 /// A tree over those of the first so many rows that can move, or over the others.
 fn tree(bodies: &Bodies, rows: usize, movers: bool) -> Tree {
-    let rows = (1..rows as u32).into_par_iter();
+    let rows = (1..rows as u32).into_par_iter().shared();
     let items: Vec<u32> = rows.filter(|&row| bodies.is_mover(row as usize) == movers).collect();
     Tree::build_some(&items, |row| bodies.boxes[row])
 }

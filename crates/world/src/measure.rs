@@ -6,6 +6,7 @@
 use crate::bodies::{Bodies, State};
 use crate::{Kind, Settings, Solver, StepReport};
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 use rockfall_math::{DVec3, Mat3, rotation};
 use rockfall_solve::Contacts;
 use xxhash_rust::xxh3::xxh3_64;
@@ -98,6 +99,7 @@ pub(crate) fn measure(
     let gravity = settings.gravity.as_dvec3();
     (0..bodies.rows().div_ceil(RUN))
         .into_par_iter()
+        .shared()
         .map(|run| {
             let rows = (run * RUN).max(1)..((run + 1) * RUN).min(bodies.rows());
             let mut sums = Sums::default();

@@ -10,6 +10,7 @@ use crate::index::Index;
 use crate::touches::{NEW, Run, Touches, rows};
 use rayon::prelude::*;
 use rockfall_math::room::make_room;
+use rockfall_math::share::{Share, ShareSort, is_alone};
 use rockfall_solve::{FIXED, row_of};
 
 /// Rows that one thread searches at a time, at least.
@@ -32,6 +33,7 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
     let searched: Vec<Vec<u64>> = moved
         .par_chunks(size)
         .enumerate()
+        .shared()
         .map(|(chunk, moved_here)| {
             let mut keys = Vec::new();
             for (i, _) in moved_here.iter().enumerate().filter(|(_, moved)| **moved) {
@@ -45,7 +47,7 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
         .collect();
     let mut found: Vec<u64> = Vec::with_capacity(searched.iter().map(Vec::len).sum());
     searched.into_iter().for_each(|keys| found.extend(keys));
-    found.par_sort_unstable();
+    found.sort_shared();
 
     if touches.runs.is_empty() {
         touches.runs.push(Run::empty());
@@ -56,7 +58,8 @@ pub(crate) fn pair(touches: &mut Touches, bodies: &Bodies, index: &Index, moved:
         touches.runs.iter().skip(1).map(|run| found.partition_point(|&key| key < first(run))).collect();
     let from = |i: usize| if i == 0 { 0 } else { starts[i - 1] };
     let to = |i: usize| starts.get(i).copied().unwrap_or(found.len());
-    touches.runs.par_iter_mut().enumerate().for_each(|(i, run)| merge(run, &found[from(i)..to(i)], moved));
+    let runs = touches.runs.par_iter_mut().enumerate().shared();
+    runs.for_each(|(i, run)| merge(run, &found[from(i)..to(i)], moved));
     drop(found);
     touches.balance();
 }
@@ -69,7 +72,7 @@ fn rows_at_once(rows: usize) -> usize {
 /// Mean radius of the bodies that move, infinite planes aside, metres.
 fn mean_radius(bodies: &Bodies) -> f32 {
     let counts = |row: &usize| bodies.is_mover(*row) && bodies.radii[*row].is_finite();
-    let movers = (0..bodies.rows()).into_par_iter().with_min_len(4096).filter(counts);
+    let movers = (0..bodies.rows()).into_par_iter().with_min_len(4096).shared().filter(counts);
     // Whole micrometres, so that the sum does not depend on the threads.
     let micrometres = |row: usize| (1e6 * bodies.radii[row]) as u64;
     let sum = |(sum, count): (u64, u64), row: usize| (sum.saturating_add(micrometres(row)), count + 1);
@@ -104,7 +107,7 @@ fn search(row: usize, bodies: &Bodies, index: &Index, moved: &[bool], large: boo
     let of_fixed =
         |other: u32| meets(other as usize).then_some((row as u64) << 32 | u64::from(other | FIXED));
     let area = &bodies.boxes[row];
-    if large && index.movers.is_wide(area) {
+    if large && !is_alone() && index.movers.is_wide(area) {
         keys.par_extend(index.movers.par_query(area).filter_map(of_mover));
     } else {
         index.movers.query(area, |other| keys.extend(of_mover(other)));
@@ -112,7 +115,7 @@ fn search(row: usize, bodies: &Bodies, index: &Index, moved: &[bool], large: boo
     if !dynamic(row) {
         return;
     }
-    if large && index.fixed.is_wide(area) {
+    if large && !is_alone() && index.fixed.is_wide(area) {
         keys.par_extend(index.fixed.par_query(area).filter_map(of_fixed));
     } else {
         index.fixed.query(area, |other| keys.extend(of_fixed(other)));

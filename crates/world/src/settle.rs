@@ -7,6 +7,7 @@ use crate::Settings;
 use crate::bodies::{Bodies, State};
 use rayon::prelude::*;
 use rockfall_math::Vec3;
+use rockfall_math::share::Share;
 use rockfall_solve::line::Role;
 
 /// No body moves faster than this, m/s or rad/s: beyond it a state counts as broken, long before it overflows.
@@ -19,6 +20,7 @@ pub(crate) fn settle(bodies: &mut Bodies, settings: &Settings) -> usize {
     (positions, lines, rests, states, drifts, rotations, roles, radii)
         .into_par_iter()
         .with_min_len(512)
+        .shared()
         .map(|(position, line, rest, state, drift, rotation, role, radius)| {
             if *role == Role::Still {
                 return 0;

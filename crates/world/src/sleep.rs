@@ -7,6 +7,7 @@ use crate::link::Islands;
 use crate::{Kind, Settings};
 use rayon::prelude::*;
 use rockfall_math::Vec3;
+use rockfall_math::share::Share;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Puts islands to sleep that have been at rest for long enough, and wakes the others.
@@ -17,12 +18,13 @@ pub(crate) fn sleep(bodies: &mut Bodies, islands: &Islands, settings: &Settings)
     let sleeps = |row: usize| {
         bodies.kinds[row] == Kind::Dynamic && matches!(bodies.states[row], State::Awake | State::Asleep)
     };
-    (1..rows).into_par_iter().with_min_len(1024).filter(|&row| sleeps(row)).for_each(|row| {
+    (1..rows).into_par_iter().with_min_len(1024).shared().filter(|&row| sleeps(row)).for_each(|row| {
         least[islands.root(row as u32) as usize].fetch_min(bodies.rests[row].to_bits(), Relaxed);
     });
     let new: Vec<State> = (0..rows)
         .into_par_iter()
         .with_min_len(1024)
+        .shared()
         .map(|row| {
             if !sleeps(row) {
                 return bodies.states[row];

@@ -22,6 +22,7 @@ use crate::{Kind, Shape};
 use flight::{Flight, fly};
 use meet::meet;
 use rayon::prelude::*;
+use rockfall_math::share::Share;
 use rockfall_math::{Aabb, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
 use rockfall_tree::Tree;
@@ -66,7 +67,7 @@ fn unfallen(v: Vec3, gravity: Vec3, way: Vec3) -> Vec3 {
 /// The flights of those that can't go on as the solver has moved them.
 fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
     let Surroundings { shapes, trees, starts } = around;
-    let rows = || (1..bodies.rows() as u32).into_par_iter().with_min_len(512);
+    let rows = || (1..bodies.rows() as u32).into_par_iter().with_min_len(512).shared();
     let role = |row: u32| bodies.roles[row as usize];
     let moves = |row: u32| bodies.drifts[row as usize].0 != [0.0; 8];
     let mut movers: Vec<u32> =
@@ -85,7 +86,7 @@ fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
     let driven = Crowd::new(driven, &ways);
     let scene = Scene { bodies, shapes, trees, starts, driven: &driven };
     let flights: Vec<Flight> =
-        movers.into_par_iter().map(|row| fly(&scene, Flight::straight(&scene, row))).collect();
+        movers.into_par_iter().shared().map(|row| fly(&scene, Flight::straight(&scene, row))).collect();
     meet(&scene, flights)
 }
 
@@ -151,7 +152,7 @@ fn overrun(bodies: &Bodies, trees: &Index, driven: u32, movers: &mut Vec<u32>) {
     let (way, turn) = (bodies.drifts[d].translation(), bodies.drifts[d].rotation());
     let mut near = Vec::new();
     trees.movers.query(&way_box(bodies, d), |row| near.push(row));
-    movers.par_extend(near.into_par_iter().with_min_len(512).filter(|&row| {
+    movers.par_extend(near.into_par_iter().with_min_len(512).shared().filter(|&row| {
         let r = row as usize;
         let arm = (bodies.positions[r] - bodies.positions[d]).as_vec3();
         let passes = (way + turn.cross(arm) - bodies.drifts[r].translation()).length();

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use rockfall_collide::{Cache, Manifold as Local, Meeting, Met, collide_all};
 use rockfall_math::lanes::Width;
 use rockfall_math::room::make_room;
+use rockfall_math::share::{self, Share};
 use rockfall_math::{Isometry, Mat3, Vec3};
 use rockfall_solve::line::Role;
 use rockfall_solve::{
@@ -51,13 +52,14 @@ pub(crate) fn touch(
 ) -> Vec<Changes> {
     let desk = contacts.desk(ground.bodies.rows());
     let look = Look { ground, surface, desk: &desk, dt: 1.0 / settings.rate, reuse: settings.reuse, width };
-    rooms.resize_with(rayon::current_num_threads(), Mutex::default);
+    rooms.resize_with(share::threads(), Mutex::default);
     touches
         .runs
         .par_iter_mut()
         .enumerate()
+        .shared()
         .map(|(number, run)| {
-            let room = &rooms[rayon::current_thread_index().unwrap_or_default()];
+            let room = &rooms[share::thread()];
             // A thread that panicked leaves nothing that the next one would not clear.
             let mut fresh = room.lock().unwrap_or_else(PoisonError::into_inner);
             let mut changes = Changes { run: number, ..Changes::default() };

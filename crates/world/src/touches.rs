@@ -9,6 +9,7 @@ mod snapshot;
 use crate::recall::Recall;
 use rayon::prelude::*;
 use rockfall_math::room::give_back;
+use rockfall_math::share::{Share, ShareSort};
 use rockfall_solve::{Entry, FIXED, Lane, row_of};
 
 /// Pairs in a run that was just cut. It may grow to twice as many.
@@ -105,7 +106,7 @@ impl Touches {
             |a: &Run, b: &Run| a.keys.is_empty() || b.keys.is_empty() || a.keys.len() + b.keys.len() < RUN;
         let as_they_are =
             |(i, run): (usize, &Run)| !long(run) && self.runs.get(i + 1).is_none_or(|next| !short(run, next));
-        if self.runs.par_iter().enumerate().with_min_len(64).all(as_they_are) {
+        if self.runs.par_iter().enumerate().with_min_len(64).shared().all(as_they_are) {
             return;
         }
         for run in std::mem::take(&mut self.runs) {
@@ -124,7 +125,7 @@ impl Touches {
     pub(crate) fn rename(&mut self, new_rows: &[u32], all: bool) -> Vec<Entry> {
         let mut places: Vec<Place> = Vec::with_capacity(self.pairs());
         for (piece, runs) in self.runs.chunks_mut(PIECE).enumerate() {
-            places.par_extend(runs.par_iter_mut().enumerate().flat_map_iter(|(i, run)| {
+            places.par_extend(runs.par_iter_mut().enumerate().shared().flat_map_iter(|(i, run)| {
                 let keys = std::mem::take(&mut run.keys);
                 keys.into_iter().zip(0..).filter_map(move |(key, pair)| {
                     let key = renamed(key, new_rows)?;
@@ -132,14 +133,14 @@ impl Touches {
                 })
             }));
         }
-        places.par_sort_unstable_by_key(|place| place.key);
+        places.sort_shared_by_key(|place| place.key);
 
         let run_of = |place: &Place| &self.runs[place.run as usize];
         let recalls: Vec<Recall> =
-            places.par_iter().map(|place| run_of(place).recalls[place.pair as usize]).collect();
+            places.par_iter().shared().map(|place| run_of(place).recalls[place.pair as usize]).collect();
         let mut entries: Vec<Entry> = Vec::with_capacity(self.runs.iter().map(|run| run.lanes.len()).sum());
         for places in places.chunks(PIECE * RUN) {
-            entries.par_extend(places.par_iter().flat_map_iter(|place| {
+            entries.par_extend(places.par_iter().shared().flat_map_iter(|place| {
                 let (a, b) = rows(place.key);
                 let run = run_of(place);
                 run.lanes[run.contacts(place.pair)].iter().map(move |&lane| Entry { lane, a, b })
@@ -151,6 +152,7 @@ impl Touches {
         }
         self.runs = (places.par_chunks(RUN), recalls.par_chunks(RUN))
             .into_par_iter()
+            .shared()
             .map(|(places, recalls)| {
                 Run::of(places.iter().map(|place| place.key).collect(), recalls, &entries)
             })
@@ -161,7 +163,7 @@ impl Touches {
     /// Every contact with its rows, in the order of the keys. Not between [`crate::pair`] and [`crate::touch`].
     pub(crate) fn entries(&self) -> Vec<Entry> {
         let entry = |(key, lane)| Entry { lane, a: rows(key).0, b: rows(key).1 };
-        self.runs.par_iter().flat_map_iter(|run| run.entries().map(entry)).collect()
+        self.runs.par_iter().shared().flat_map_iter(|run| run.entries().map(entry)).collect()
     }
 
     /// Moves every contact to the lane that it has now, in the order of [`Touches::rename`].

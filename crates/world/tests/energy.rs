@@ -153,3 +153,29 @@ fn the_energy_of_all_is_the_sum_of_that_of_each() {
     assert!(each[1..].iter().all(|&energy| energy > 0.0));
     assert!((each.iter().sum::<f64>() / all - 1.0).abs() < 1e-12);
 }
+
+/// Promise: a column of elastic balls that meets the ground and itself, all of it in a few steps, keeps its energy to 1e-4 of it, as the second-order
+/// integrator does in free flight: with as many sweeps of restitution as it takes, and without sub-steps.
+#[test]
+fn a_column_that_bounces_keeps_its_energy() {
+    let settings = Settings {
+        integrator: Integrator::SecondOrder,
+        bounce_sweeps: 64,
+        restitution_threshold: 0.0,
+        ..fine()
+    };
+    let mut stage = Stage::on_ground(settings, rubs(0.0, 1.0));
+    let ball = stage.ball(0.1);
+    for i in 0..8 {
+        stage.put(stage.body(ball, Pose::at(DVec3::Z * (1.1 + 0.201 * f64::from(i)))));
+    }
+    stage.steps(1);
+    let start = stage.total_energy();
+    let mut worst = 0.0_f64;
+    for _ in 0..2000 {
+        stage.steps(1);
+        worst = worst.max((stage.total_energy() / start - 1.0).abs());
+    }
+    println!("{start} J, off by {worst} of it");
+    assert!(worst < 1e-4, "off by {worst}");
+}

@@ -2,6 +2,7 @@
 //! rows of its data files with default solvers and without position correction ("erp0"), on an i7-7700HQ.
 
 mod bouncing;
+mod cost;
 mod elastic;
 mod pile;
 mod rolling;
@@ -12,8 +13,8 @@ use crate::case::Case;
 use crate::engine::{Surface, Terms};
 use crate::stage::{Rig, Stage};
 
-pub(super) const CASES: [Case; 5] =
-    [rolling::CASES[0], rolling::CASES[1], bouncing::CASE, pile::CASE, elastic::CASE];
+pub(super) const CASES: [Case; 6] =
+    [rolling::CASES[0], rolling::CASES[1], bouncing::CASE, pile::CASE, elastic::CASE, cost::CASE];
 
 /// Name of the group.
 const GROUP: &str = "simbenchmark";

@@ -13,6 +13,7 @@ use super::{Crowd, Scene};
 use crate::Kind;
 use rayon::prelude::*;
 use rockfall_collide::{Motion, Sweep};
+use rockfall_math::share::Share;
 use rockfall_math::{Aabb, Vec3};
 use rockfall_tree::Fold;
 use std::collections::BTreeMap;
@@ -44,7 +45,7 @@ pub(super) fn meet(scene: &Scene<'_>, flights: Vec<Flight>) -> Vec<Flight> {
     let strays = Crowd::new(rows, &areas);
     let mut sky = Sky { scene, flights, ways: Ways::of_all(scene), strays, strayed: Vec::new() };
     let first: Vec<Meeting> =
-        sky.flights.par_iter().filter_map(|flight| sky.first_meeting(flight, 0.0)).collect();
+        sky.flights.par_iter().shared().filter_map(|flight| sky.first_meeting(flight, 0.0)).collect();
     let mut queue: BTreeMap<_, _> = first.into_iter().map(|meeting| (sky.turn(&meeting), meeting)).collect();
     while let Some((_, meeting)) = queue.pop_first() {
         let rows = [meeting.row, meeting.other];

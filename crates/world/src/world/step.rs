@@ -16,17 +16,25 @@ use crate::touch::{Changes, color, settle_in, touch};
 use crate::{Integrator, Material, STAGES, Settings, Solver, StepReport};
 use rayon::prelude::*;
 use rockfall_math::Vec3;
+use rockfall_math::share::{Share, alone};
 use rockfall_solve::Surface;
 use rockfall_solve::follow::follow;
 use rockfall_solve::line::Role;
 use rockfall_solve::respond::{Plan, impulse_step, reflect_step, soft_step};
 use std::time::{Duration, Instant};
 
+/// A world of no more rows is not worth waking other threads for: a step takes a tenth of a millisecond. Results don't depend on it.
+const FEW: usize = 512;
+
 impl World {
     /// Advances the world by one step of `1 / rate` seconds.
     pub fn step(&mut self) -> &StepReport {
-        let pool = std::sync::Arc::clone(&self.pool);
-        pool.install(|| self.stages());
+        if self.pool.current_num_threads() == 1 || self.bodies.rows() <= FEW {
+            alone(|| self.stages());
+        } else {
+            let pool = std::sync::Arc::clone(&self.pool);
+            pool.install(|| self.stages());
+        }
         &self.report
     }
 
@@ -74,7 +82,7 @@ impl World {
         clock.lap();
         starts.clear();
         if settings.continuous {
-            starts.par_extend(&bodies.rotations);
+            starts.par_extend(bodies.rotations.par_iter().shared());
         }
         let plan = plan(settings, report.step);
         let mut columns = bodies.solver_columns();
@@ -168,15 +176,19 @@ impl Clock {
     /// The stage that ran since the last lap is over.
     fn lap(&mut self) {
         let now = Instant::now();
-        self.add(now - self.last);
+        self.note(now - self.last);
         self.last = now;
     }
 
-    /// A stage took `time`.
+    /// A stage that timed itself took `time`.
     fn add(&mut self, time: Duration) {
+        self.note(time);
+        self.last = Instant::now();
+    }
+
+    fn note(&mut self, time: Duration) {
         self.times[self.next] = time;
         self.next += 1;
-        self.last = Instant::now();
     }
 
     fn times(&self) -> [Duration; STAGES.len()] {

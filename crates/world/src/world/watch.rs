@@ -6,6 +6,7 @@ use crate::events::{Events, Presence, Watch};
 use crate::{BodyId, Error};
 use rayon::prelude::*;
 use rockfall_collide::overlaps;
+use rockfall_math::share::Share;
 
 impl World {
     /// Has the world tell of contacts from the next step on; see [`World::events`]. Motion is the same with it and without.
@@ -92,6 +93,6 @@ impl World {
             found.sort_unstable();
             found
         };
-        sensors.par_iter().flat_map_iter(in_one).collect()
+        sensors.par_iter().shared().flat_map_iter(in_one).collect()
     }
 }

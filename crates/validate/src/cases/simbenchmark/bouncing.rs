@@ -1,7 +1,7 @@
 //! Elastic balls bounce for 20 s: what happens to their energy?
 
 use super::GROUP;
-use super::sweep::{self, Published, step_of};
+use super::sweep::{self, Published, Run, step_of};
 use crate::Error;
 use crate::case::{Case, Source};
 use crate::engine::{ALL, EngineName, Surface, Terms, Thing};
@@ -9,7 +9,6 @@ use crate::finding::Findings;
 use crate::stage::{Rig, ball};
 use rockfall::Integrator;
 use rockfall::math::DVec3;
-use std::time::Instant;
 
 pub(super) const CASE: Case = Case {
     name: "bouncing",
@@ -49,9 +48,9 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     }
     let mut curve = Vec::new();
     for &rate in rates {
-        let (h, start) = (f64::from(1.0 / rate), Instant::now());
-        let error = energy_error(rig, rate, Integrator::SemiImplicit)?;
-        curve.push([h, error, start.elapsed().as_secs_f64()]);
+        let h = f64::from(1.0 / rate);
+        let Run { error, processor } = bounce(rig, rate, Integrator::SemiImplicit)?;
+        curve.push([h, error, processor]);
         findings
             .at_most(
                 format!("mean square error of the energy at {}, semi-implicit", step_of(rate)),
@@ -72,9 +71,9 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
 fn second_order(rig: &Rig, rates: &[f32], findings: &mut Findings) -> Result<(), Error> {
     let mut curve = Vec::new();
     for &rate in rates {
-        let (h, start) = (f64::from(1.0 / rate), Instant::now());
-        let error = energy_error(rig, rate, Integrator::SecondOrder)?;
-        curve.push([h, error, start.elapsed().as_secs_f64()]);
+        let h = f64::from(1.0 / rate);
+        let Run { error, processor } = bounce(rig, rate, Integrator::SecondOrder)?;
+        curve.push([h, error, processor]);
         let others = sweep::at(&PUBLISHED, rate);
         let what = format!("mean square error of the energy at {}", step_of(rate));
         match others.first() {
@@ -88,7 +87,7 @@ fn second_order(rig: &Rig, rates: &[f32], findings: &mut Findings) -> Result<(),
 }
 
 /// The mean square error of the energy, J².
-fn energy_error(rig: &Rig, rate: f32, integrator: Integrator) -> Result<f64, Error> {
+pub(super) fn bounce(rig: &Rig, rate: f32, integrator: Integrator) -> Result<Run, Error> {
     let terms = Terms { rate, threshold: 0.0, integrator, ..Terms::FINE };
     let surface = Surface::new(0.0, 1.0);
     let mut stage = rig.on_ground(terms, surface)?;
@@ -103,5 +102,5 @@ fn energy_error(rig: &Rig, rate: f32, integrator: Integrator) -> Result<f64, Err
         sum += (stage.energy()? - start).powi(2);
         stage.step()?;
     }
-    Ok(sum / steps as f64)
+    Ok(Run { error: sum / steps as f64, processor: stage.processor() })
 }

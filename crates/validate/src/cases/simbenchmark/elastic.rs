@@ -1,13 +1,12 @@
 //! "Elastic 666": the same lattice falls with e = 1: what happens to the energy where many bounce at once?
 
 use super::GROUP;
-use super::sweep::{self, Published, step_of};
+use super::sweep::{self, Published, Run, step_of};
 use crate::Error;
 use crate::case::{Case, Source};
 use crate::engine::{ALL, EngineName, Terms};
 use crate::finding::{Figure, Findings, Points};
 use crate::stage::Rig;
-use std::time::Instant;
 
 pub(super) const CASE: Case = Case {
     name: "elastic-pile",
@@ -42,21 +41,23 @@ const PUBLISHED: [Published; 4] = [
     },
 ];
 
+/// Sweeps of restitution, at most: as many as it takes.
+pub(super) const SWEEPS: u32 = 500;
+
 fn run(rig: &Rig) -> Result<Findings, Error> {
     let rates: &[f32] = if rig.quick { &[1e3, 100.0] } else { &[1e4, 1e3, 250.0, 100.0] };
     let mut findings = Findings::default();
     let (mut curve, mut energies) = (Vec::new(), Vec::new());
     let ours = rig.engine == EngineName::SoftStep;
     for (&rate, sweeps) in
-        rates.iter().flat_map(|rate| [(rate, 64), (rate, 1)]).filter(|(_, n)| ours || *n == 1)
+        rates.iter().flat_map(|rate| [(rate, SWEEPS), (rate, 1)]).filter(|(_, n)| ours || *n == 1)
     {
-        let start = Instant::now();
-        let (error, energy) = fall(rig, rate, sweeps)?;
+        let (Run { error, processor }, energy) = fall(rig, rate, sweeps)?;
         if ours && sweeps == 1 {
             findings.shown(format!("the same at {} with one sweep", step_of(rate)), "J²", error);
             continue;
         }
-        curve.push([f64::from(1.0 / rate), error, start.elapsed().as_secs_f64()]);
+        curve.push([f64::from(1.0 / rate), error, processor]);
         if rate == 1e3 {
             energies = energy;
         }
@@ -74,7 +75,7 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
 }
 
 /// The mean square error of the energy, J², and the energy over time, relative to the start.
-fn fall(rig: &Rig, rate: f32, sweeps: u32) -> Result<(f64, Points), Error> {
+pub(super) fn fall(rig: &Rig, rate: f32, sweeps: u32) -> Result<(Run, Points), Error> {
     let terms = Terms { rate, sweeps, threshold: 0.0, ..Terms::FINE };
     let mut stage = super::elastic_lattice(rig, terms)?;
     let start = stage.energy()?;
@@ -88,5 +89,5 @@ fn fall(rig: &Rig, rate: f32, sweeps: u32) -> Result<(f64, Points), Error> {
         }
         stage.step()?;
     }
-    Ok((sum / steps as f64, curve))
+    Ok((Run { error: sum / steps as f64, processor: stage.processor() }, curve))
 }

@@ -1,14 +1,13 @@
 //! "666": 6 × 6 × 6 balls fall into a heap without friction: how far do they overlap?
 
 use super::GROUP;
-use super::sweep::{self, Published, step_of};
+use super::sweep::{self, Published, Run, step_of};
 use crate::Error;
 use crate::case::{Case, Source};
 use crate::engine::{Surface, Terms, Thing, WITH_FRICTION};
 use crate::finding::Findings;
 use crate::stage::{Numbers, Rig, Stage, ball};
 use rockfall::math::DVec3;
-use std::time::Instant;
 
 pub(super) const CASE: Case = Case {
     name: "pile",
@@ -54,9 +53,8 @@ fn run(rig: &Rig) -> Result<Findings, Error> {
     let mut findings = Findings::default();
     let mut curve = Vec::new();
     for &rate in rates {
-        let start = Instant::now();
-        let error = overlap(rig, rate)?;
-        curve.push([f64::from(1.0 / rate), error, start.elapsed().as_secs_f64()]);
+        let Run { error, processor } = settle(rig, rate)?;
+        curve.push([f64::from(1.0 / rate), error, processor]);
         let others = sweep::at(&PUBLISHED, rate);
         let what = format!("mean sum of squared overlaps at {}", step_of(rate));
         findings
@@ -80,7 +78,7 @@ pub(super) fn lattice(rig: &Rig, terms: Terms, surface: Surface, height: f64) ->
 }
 
 /// The mean of the sum of squared overlaps, m².
-fn overlap(rig: &Rig, rate: f32) -> Result<f64, Error> {
+pub(super) fn settle(rig: &Rig, rate: f32) -> Result<Run, Error> {
     let terms = Terms { rate, ..Terms::FINE };
     let mut stage = lattice(rig, terms, Surface::new(0.0, 0.0), RADIUS + 1e-3)?;
     let movers: Vec<usize> = stage.movers().collect();
@@ -91,7 +89,7 @@ fn overlap(rig: &Rig, rate: f32) -> Result<f64, Error> {
         sum += squared_overlaps(places);
         stage.step()?;
     }
-    Ok(sum / steps as f64)
+    Ok(Run { error: sum / steps as f64, processor: stage.processor() })
 }
 
 /// Of balls with these centres with each other and with the ground, m².

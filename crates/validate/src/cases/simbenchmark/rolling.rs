@@ -1,10 +1,11 @@
 //! A force drags a plate over the ground with 25 balls on it: how round is the friction cone?
 
 use super::GROUP;
+use super::sweep::Run;
 use crate::Error;
 use crate::case::{Case, Source};
 use crate::engine::{Surface, Terms, Thing, WITH_FRICTION};
-use crate::finding::{Figure, Findings};
+use crate::finding::{Figure, Findings, Points};
 use crate::stage::{Rig, ball, cuboid};
 use rockfall::math::{DVec3, Vec3};
 
@@ -39,7 +40,57 @@ const PUBLISHED: [&[(&str, f64)]; 2] = [
     &[("RaiSim", 4.14e-7), ("Bullet", 5.71e-9), ("ODE", 3.145), ("MuJoCo", 2.45e-3), ("DART", 3.145)],
 ];
 
+/// What came of dragging the plate.
+struct Drag {
+    /// The mean square error of both velocities, m²/s².
+    run: Run,
+    /// Of the plate's velocity off the force, degrees.
+    astray: f64,
+    /// Of the plate, and what it should be, m/s².
+    acceleration: [f64; 2],
+    /// What the balls' should be, m/s².
+    on_balls: f64,
+    /// Speeds of the plate and of the first ball along the force.
+    curves: [Points; 2],
+}
+
 fn run(rig: &Rig, direction: usize) -> Result<Findings, Error> {
+    let Drag { run, astray, acceleration: [a, expected], on_balls, curves: [plates, balls] } =
+        drag(rig, direction)?;
+    let mut findings = Findings::default();
+    findings
+        .at_most(
+            "mean square error of both velocities",
+            "m²/s²",
+            run.error,
+            1e-6,
+            "an exact cone leaves rounding; the best published is 5e-9",
+        )
+        .beside(PUBLISHED[direction])
+        .at_most(
+            "direction of the box off the force's",
+            "°",
+            astray,
+            0.01,
+            "a round cone has no direction of its own; a pyramid errs by degrees",
+        )
+        .near("acceleration of the box", "m/s²", a, (expected, 1e-3 * expected), "0.1 % over 4 s")
+        .draw(
+            Figure::linear("Speed along the force", "time, s", "speed, m/s")
+                .ours("box", plates)
+                .ours("ball", balls)
+                .expected("box, exact", [(0.0, 0.0), (4.0, 4.0 * expected)])
+                .expected("ball, exact", [(0.0, 0.0), (4.0, 4.0 * on_balls)]),
+        );
+    Ok(findings)
+}
+
+/// The mean square error of both velocities, m²/s², along y (0) or at 60° (1).
+pub(super) fn roll(rig: &Rig, direction: usize) -> Result<Run, Error> {
+    Ok(drag(rig, direction)?.run)
+}
+
+fn drag(rig: &Rig, direction: usize) -> Result<Drag, Error> {
     let force = FORCES[direction];
     let mut stage = rig.on_ground(Terms::FINE, Surface::new(0.4, 0.0))?;
     let plate = Thing::new(cuboid(20.0, 20.0, 1.0), Surface::new(0.4, 0.0), DVec3::new(0.0, 0.0, 0.5 - 2e-5));
@@ -77,36 +128,11 @@ fn run(rig: &Rig, direction: usize) -> Result<Findings, Error> {
     }
     let v = stage.velocity(plate)?;
     let astray = libm::atan2(v.cross(along).length(), v.dot(along)).to_degrees();
-    let mut findings = Findings::default();
-    findings
-        .at_most(
-            "mean square error of both velocities",
-            "m²/s²",
-            sum / steps as f64,
-            1e-6,
-            "an exact cone leaves rounding; the best published is 5e-9",
-        )
-        .beside(PUBLISHED[direction])
-        .at_most(
-            "direction of the box off the force's",
-            "°",
-            astray,
-            0.01,
-            "a round cone has no direction of its own; a pyramid errs by degrees",
-        )
-        .near(
-            "acceleration of the box",
-            "m/s²",
-            v.dot(along) / (steps as f64 * dt),
-            (a_plate, 1e-3 * a_plate),
-            "0.1 % over 4 s",
-        )
-        .draw(
-            Figure::linear("Speed along the force", "time, s", "speed, m/s")
-                .ours("box", plates)
-                .ours("ball", balls)
-                .expected("box, exact", [(0.0, 0.0), (4.0, 4.0 * a_plate)])
-                .expected("ball, exact", [(0.0, 0.0), (4.0, 4.0 * a_ball)]),
-        );
-    Ok(findings)
+    Ok(Drag {
+        run: Run { error: sum / steps as f64, processor: stage.processor() },
+        astray,
+        acceleration: [v.dot(along) / (steps as f64 * dt), a_plate],
+        on_balls: a_ball,
+        curves: [plates, balls],
+    })
 }

@@ -2,6 +2,15 @@
 
 use crate::finding::{Figure, Findings};
 
+/// What a run with one step came to.
+#[derive(Clone, Copy)]
+pub(super) struct Run {
+    /// In the unit of the case.
+    pub(super) error: f64,
+    /// Processor time of all steps, s.
+    pub(super) processor: f64,
+}
+
 /// What another engine got.
 pub(super) struct Published {
     pub(super) engine: &'static str,
@@ -32,7 +41,7 @@ pub(super) fn draw(
     let pick =
         |rows: &[[f64; 3]], column: usize| rows.iter().map(|row| (row[column], row[1])).collect::<Vec<_>>();
     let mut by_step = Figure::logarithmic("Error against step", "step, s", up).ours("", pick(ours, 0));
-    let across = "time of the run, s (ours wall-clock, others' processor, other machines)";
+    let across = "processor time of the run, s (published ones on other machines)";
     let mut by_time = Figure::logarithmic("Error against time", across, up).ours("", pick(ours, 2));
     for Published { engine, rows } in published {
         by_step = by_step.published(engine, pick(rows, 0));
