@@ -39,7 +39,7 @@ const CALM: (f32, f32) = (0.05, 1e-3);
 const CALM_RETRACED: f32 = 1e-4;
 
 /// Gives every point that hit its share of the approach velocity back. Where it is `retraced`, what is perfectly elastic stays where it is
-/// while it bounces ([`crate::retrace`]), and has its own speed back.
+/// while it bounces (`retrace.rs`), and has its own speed back.
 pub fn bounce(contacts: &mut Contacts, columns: &mut Columns<'_>, width: Width, plan: &Plan, retraced: bool) {
     if contacts.colds.is_empty() {
         return;

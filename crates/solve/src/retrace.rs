@@ -40,7 +40,7 @@ impl Starts {
         (asked && elastic()).then(|| Starts(columns.lines.iter().map(|line| line.motion).collect()))
     }
 
-    /// Moves those that elastic contacts and no others have pressed by the mean of their velocities.
+    /// Moves those that no others than elastic contacts have pressed by the mean of their velocities.
     pub(crate) fn retrace(
         self,
         contacts: &mut Contacts,
@@ -58,13 +58,19 @@ impl Starts {
             marks[contacts.copies.body(copy as u32) as usize] |= mark;
         }
         for (row, start) in self.0.iter().enumerate() {
-            if columns.roles[row] != Role::Free || marks[row] != ELASTIC {
+            let (now, reference) = (columns.lines[row].motion, &columns.references[row]);
+            // What an old impulse pushed and let go again has lost its last bit, and with it the way of free flight.
+            let let_go = marks[row] == 0 && now[..3] != reference[..3];
+            if columns.roles[row] != Role::Free || !(let_go || marks[row] == ELASTIC) {
                 continue;
             }
-            let now = columns.lines[row].motion;
             let mean = |i: usize| 0.5 * plan.dt * (start[i] + now[i]);
             let (way, turn) = (Vec3::new(mean(0), mean(1), mean(2)), Vec3::new(mean(3), mean(4), mean(5)));
             let drift = &mut columns.drifts[row];
+            if let_go {
+                drift.set(way, drift.rotation());
+                continue;
+            }
             let more = turn - drift.rotation();
             drift.set(way, turn);
             let rotation = &mut columns.rotations[row];

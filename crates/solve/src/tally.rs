@@ -99,11 +99,17 @@ impl Contacts {
         all
     }
 
-    /// The two rows of every contact, the second marked where contacts can't move it; in any order.
-    pub fn rows(&self) -> impl ParallelIterator<Item = (u32, u32)> + '_ {
-        let all = rows(&self.ball).chain(rows(&self.one)).chain(rows(&self.two)).chain(rows(&self.four));
+    /// What `keep` makes of the two rows of every contact, the second marked where contacts can't move it; in any order. Shelf after shelf: a chain of parallel
+    /// iterators would ask a pool even where the caller is alone.
+    pub fn filter_rows<R: Send>(&self, keep: impl Fn(u32, u32) -> Option<R> + Sync) -> Vec<R> {
         let body = |row: u32| self.copies.body(row & !FIXED) | row & FIXED;
-        all.map(move |(a, b)| (body(a), body(b)))
+        let keep = &|(a, b): (u32, u32)| keep(body(a), body(b));
+        let mut kept = Vec::new();
+        kept.par_extend(rows(&self.ball).filter_map(keep));
+        kept.par_extend(rows(&self.one).filter_map(keep));
+        kept.par_extend(rows(&self.two).filter_map(keep));
+        kept.par_extend(rows(&self.four).filter_map(keep));
+        kept
     }
 }
 

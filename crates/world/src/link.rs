@@ -4,7 +4,6 @@
 //! solved by all threads.
 
 use crate::bodies::Bodies;
-use rayon::prelude::*;
 use rockfall_solve::line::Role;
 use rockfall_solve::{Contacts, FIXED, row_of};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -56,16 +55,13 @@ pub(crate) fn link(islands: &mut Islands, bodies: &mut Bodies, contacts: &Contac
     let driven = |row: usize| {
         bodies.roles[row] == Role::Driven && bodies.lines[row].motion[..6].iter().any(|&x| x != 0.0)
     };
-    let pushed: Vec<usize> = contacts
-        .rows()
-        .filter_map(|(a, b)| {
-            if b & FIXED != 0 {
-                return driven(row_of(b)).then_some(a as usize);
-            }
-            sets.join(a, b);
-            None
-        })
-        .collect();
+    let pushed = contacts.filter_rows(|a, b| {
+        if b & FIXED != 0 {
+            return driven(row_of(b)).then_some(a as usize);
+        }
+        sets.join(a, b);
+        None
+    });
     for row in pushed {
         bodies.rests[row] = 0.0;
     }

@@ -18,10 +18,10 @@ fn a_world_of_one_thread_asks_no_pool() {
     let floor = stage.shape(Shape::HalfSpace { normal: Vec3::Z, offset: 0.0 });
     let slab = stage.cuboid(10.0, 10.0, 0.3);
     let mut bodies = vec![Body::fixed(floor, stage.material, Pose::default())];
-    for i in 0..3000 {
-        let place = DVec3::new(f64::from(i % 30) - 15.0, f64::from(i / 30 % 30) - 15.0, f64::from(i / 900));
+    for i in 0..3000_usize {
+        let place = DVec3::new((i % 30) as f64 - 15.0, (i / 30 % 30) as f64 - 15.0, (i / 900) as f64);
         let pose = Pose { position: place * 0.62 + DVec3::Z * 0.5, rotation: random.rotation() };
-        let body = stage.body(shapes[i as usize % shapes.len()], pose);
+        let body = stage.body(shapes[i % shapes.len()], pose);
         bodies.push(Body { velocity: if i % 100 == 0 { Vec3::Z * -200.0 } else { Vec3::ZERO }, ..body });
     }
     bodies.push(stage.body(slab, Pose::at(DVec3::Z * 3.5)));

@@ -160,7 +160,7 @@ fn the_energy_of_all_is_the_sum_of_that_of_each() {
 fn a_column_that_bounces_keeps_its_energy() {
     let settings = Settings {
         integrator: Integrator::SecondOrder,
-        bounce_sweeps: 64,
+        bounce_sweeps: 500,
         restitution_threshold: 0.0,
         ..fine()
     };
