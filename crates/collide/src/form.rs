@@ -43,6 +43,7 @@ pub(crate) struct Solid<'a> {
 }
 
 /// What the core is.
+#[expect(clippy::large_enum_variant, reason = "one of each body of a pair, on the stack")]
 pub(crate) enum Form<'a> {
     /// A segment on the z axis, half its length; a point where that is 0.
     Segment(f32),

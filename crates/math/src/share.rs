@@ -138,8 +138,10 @@ impl<T: Send> ShareSort<T> for [T] {
 mod tests {
     use super::*;
 
+    type Gives = (Vec<usize>, Vec<usize>, usize, Option<usize>, Vec<(usize, u8)>, Vec<u64>);
+
     /// What each kind of loop that a step has gives.
-    fn loops() -> (Vec<usize>, Vec<usize>, usize, Option<usize>, Vec<(usize, u8)>, Vec<u64>) {
+    fn loops() -> Gives {
         let numbers: Vec<usize> = (0..10_000).collect();
         let mut sorted: Vec<u64> = (0..10_000).map(crate::hash::mix).collect();
         sorted.sort_shared();

@@ -140,7 +140,7 @@ mod tests {
             let half = |k: u64| Vec3::new(random(i, k), random(i, k + 1), random(i, k + 2)).abs() + 0.1;
             let turn = Quat::from_xyzw(random(i, 6), random(i, 7), random(i, 8), 0.6).normalize();
             // Of some the axes are parallel.
-            let turn = if i % 5 == 0 { Quat::IDENTITY } else { turn };
+            let turn = if i.is_multiple_of(5) { Quat::IDENTITY } else { turn };
             let translation = 2.0 * Vec3::new(random(i, 9), random(i, 10), random(i, 11));
             (half(0), half(3), Isometry { rotation: Mat3::from_quat(turn), translation })
         };

@@ -72,8 +72,9 @@ fn furthest<L: Lanes>(
             let normal = Lanes3::new(x, y, z);
             let mut least = L::splat(token, f32::INFINITY);
             for (corners, from) in corners.iter().zip((0..).step_by(HULL_LANES)) {
-                for c in 0..HULL_LANES.min(count - from) {
-                    let corner = Vec3::new(corners[0][c], corners[1][c], corners[2][c]);
+                let [xs, ys, zs] = corners;
+                for ((&x, &y), &z) in xs.iter().zip(ys).zip(zs).take(count - from) {
+                    let corner = Vec3::new(x, y, z);
                     least = normal.dot(Lanes3::splat(token, corner)).min(least);
                 }
             }
