@@ -96,13 +96,24 @@ pub(crate) fn iterate_balls<L: Lanes, const P: usize, const T: usize, const RELA
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
     let pair = Pair::load(token, block, k);
+    let (moved_a, _) = gather_drift(token, rows, &block.a, k);
+    let (moved_b, _) = gather_drift(token, rows, &block.b, k);
+    let apart = moved_b - moved_a;
     if RELAX {
-        press_balls::<L, P, T, RELAX>(token, step, rows, block, k, one_sided, &pair, (a, b));
-        hold_balls(token, block, k, &pair, (a, b));
+        press_balls::<L, P, T, RELAX>(token, step, block, k, one_sided, &pair, apart, (a, b));
+        hold_balls(token, block, k, one_sided, &pair, apart, (a, b));
     } else {
-        hold_balls(token, block, k, &pair, (a, b));
-        press_balls::<L, P, T, RELAX>(token, step, rows, block, k, one_sided, &pair, (a, b));
+        let soon = if one_sided { apart + (b.v - a.v).scale(L::splat(token, step.h)) } else { apart };
+        hold_balls(token, block, k, one_sided, &pair, soon, (a, b));
+        press_balls::<L, P, T, RELAX>(token, step, block, k, one_sided, &pair, apart, (a, b));
     }
+}
+
+/// The velocity of b seen from a, turns about their centres aside. A ball that is carried by one that turns goes with it; see [`crate::iterate::Place`].
+#[inline(always)]
+fn parting<L: Lanes>(one_sided: bool, apart: Lanes3<L>, a: &BodyLanes<L>, b: &BodyLanes<L>) -> Lanes3<L> {
+    let parting = b.v - a.v;
+    if one_sided { parting - b.w.cross(apart) } else { parting }
 }
 
 /// Coulomb friction.
@@ -111,11 +122,13 @@ fn hold_balls<L: Lanes, const P: usize, const T: usize>(
     token: L::Token,
     block: &mut Block<P, T>,
     k: usize,
+    one_sided: bool,
     pair: &Pair<L>,
+    apart: Lanes3<L>,
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
     let around = a.w.scale(pair.radii[0]) + b.w.scale(pair.radii[1]);
-    let slip = b.v - a.v;
+    let slip = parting(one_sided, apart, a, b);
     let slip_s = pair.s.dot(slip) - pair.t.dot(around);
     let slip_t = pair.t.dot(slip) + pair.s.dot(around);
     let mass: L = load(token, &block.tangent_mass[0], k);
@@ -135,17 +148,15 @@ fn hold_balls<L: Lanes, const P: usize, const T: usize>(
 fn press_balls<L: Lanes, const P: usize, const T: usize, const RELAX: bool>(
     token: L::Token,
     step: &SubStep,
-    rows: &Rows<'_>,
     block: &mut Block<P, T>,
     k: usize,
     one_sided: bool,
     pair: &Pair<L>,
+    apart: Lanes3<L>,
     (a, b): (&mut BodyLanes<L>, &mut BodyLanes<L>),
 ) {
-    let (moved_a, _) = gather_drift(token, rows, &block.a, k);
-    let (moved_b, _) = gather_drift(token, rows, &block.b, k);
-    let distance = load::<L>(token, &block.distances[0], k) + pair.normal.dot(moved_b - moved_a);
-    let speed = pair.normal.dot(b.v - a.v);
+    let distance = load::<L>(token, &block.distances[0], k) + pair.normal.dot(apart);
+    let speed = pair.normal.dot(parting(one_sided, apart, a, b));
     let old: L = load(token, &block.impulses[0], k);
     let mass: L = load(token, &block.masses[0], k);
     let new = pressed::<L, RELAX>(token, step, one_sided, distance, speed, mass, old);
