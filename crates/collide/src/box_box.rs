@@ -151,7 +151,7 @@ pub(crate) fn collide_with(
                 break 'found (face, grip, manifold);
             }
         }
-        match gjk::proximity(&poly_a, &poly_b, b_in_a, boxes.towards(face), margin) {
+        match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, boxes.towards(face), margin) {
             Proximity::Apart(closest) => {
                 let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
                 (face, grip, manifold)

@@ -8,7 +8,7 @@ use crate::poly::Poly;
 use crate::sat::{edge_axis, preference};
 use crate::segments;
 use crate::{ContactPoint, Manifold};
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 
 /// Cosine of the angle between the normal and a face above which a segment lies on that face: 11 degrees.
 const FACE_COSINE: f32 = 0.98;
@@ -37,7 +37,7 @@ pub(crate) fn point(a: &Poly, p: Vec3, limit: f32) -> Result<Closest, f32> {
             feature: feature::pair(f, 0xfe),
         });
     }
-    match gjk::proximity_to_points(a, &[p], a.normals[f], limit) {
+    match gjk::proximity(a.vertices, &[p], &Isometry::IDENTITY, a.normals[f], limit) {
         Proximity::Apart(closest) => Ok(closest),
         Proximity::Beyond(axis) => Err(apart(a, &[p], axis).max(limit)),
         // On an edge or a corner, to the last digit.
@@ -68,7 +68,8 @@ fn sides<'a>(a: &Poly<'a>, f: usize) -> impl Iterator<Item = (Vec3, Vec3)> + use
 
 /// A segment near a polyhedron, or in it, no further than `limit`.
 pub(crate) fn segment(a: &Poly, core: [Vec3; 2], limit: f32) -> Option<Closest> {
-    match gjk::proximity_to_points(a, &core, core[0].midpoint(core[1]) - a.center, limit) {
+    match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, core[0].midpoint(core[1]) - a.center, limit)
+    {
         Proximity::Beyond(_) => None,
         Proximity::Apart(closest) => Some(closest),
         Proximity::Overlap => Some(least_overlap(a, core).least()),
@@ -85,7 +86,13 @@ fn apart(a: &Poly, points: &[Vec3], axis: Vec3) -> f32 {
 /// The manifold of a polyhedron and a segment with a skin of `radius`, or how far apart they are at least: two points where
 /// it lies on a face.
 pub(crate) fn capsule_manifold(a: &Poly, core: [Vec3; 2], radius: f32, margin: f32) -> Result<Manifold, f32> {
-    match gjk::proximity_to_points(a, &core, core[0].midpoint(core[1]) - a.center, margin + radius) {
+    match gjk::proximity(
+        a.vertices,
+        &core,
+        &Isometry::IDENTITY,
+        core[0].midpoint(core[1]) - a.center,
+        margin + radius,
+    ) {
         Proximity::Beyond(axis) => Err((apart(a, &core, axis) - radius).max(margin)),
         Proximity::Apart(closest) => {
             let nearest = closest.with_skins(0.0, radius);

@@ -7,8 +7,6 @@
 
 use crate::closest::Closest;
 use crate::feature;
-use crate::poly::{Poly, Wide};
-use rockfall_math::lanes::{Kernel, Lanes, Width};
 use rockfall_math::{DVec3, Isometry, Vec3};
 
 /// A convex set that the walk can ask for its furthest point.
@@ -128,67 +126,12 @@ const TOUCH: f64 = 1e-9;
 /// circles.
 const MAX_STEPS: usize = 64;
 
-/// The nearest points of two polyhedra, the second placed in A's frame by `b_in_a`; no further
+/// The nearest points of the convex hulls of `a` and of `b`, the latter placed in A's frame by `b_in_a`; no further
 /// than `limit` metres. The walk starts from the points that are furthest `towards` the other set, seen from A; the nearer that is to
 /// the normal, the shorter the walk.
-pub(crate) fn proximity(a: &Poly, b: &Poly, b_in_a: &Isometry, towards: Vec3, limit: f32) -> Proximity {
-    Width::native().run(Polyhedra { a, b, b_in_a, towards, limit })
-}
-
-/// The same for the convex hull of a few points in A's frame.
-pub(crate) fn proximity_to_points(a: &Poly, b: &[Vec3], towards: Vec3, limit: f32) -> Proximity {
-    Width::native().run(PolyAndPoints { a, b, towards, limit })
-}
-
-/// The same for the convex hulls of few points, both in one frame.
-pub(crate) fn proximity_of_points(a: &[Vec3], b: &[Vec3], towards: Vec3, limit: f32) -> Proximity {
-    walk_towards(a, b, &Isometry::IDENTITY, towards, limit)
-}
-
-struct Polyhedra<'a> {
-    a: &'a Poly<'a>,
-    b: &'a Poly<'a>,
-    b_in_a: &'a Isometry,
-    towards: Vec3,
-    limit: f32,
-}
-
-impl Kernel for Polyhedra<'_> {
-    type Output = Proximity;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, token: L::Token) -> Proximity {
-        let Polyhedra { a, b, b_in_a, towards, limit } = self;
-        walk_towards(&Wide::<L> { poly: a, token }, &Wide::<L> { poly: b, token }, b_in_a, towards, limit)
-    }
-}
-
-struct PolyAndPoints<'a> {
-    a: &'a Poly<'a>,
-    b: &'a [Vec3],
-    towards: Vec3,
-    limit: f32,
-}
-
-impl Kernel for PolyAndPoints<'_> {
-    type Output = Proximity;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, token: L::Token) -> Proximity {
-        let PolyAndPoints { a, b, towards, limit } = self;
-        walk_towards(&Wide::<L> { poly: a, token }, b, &Isometry::IDENTITY, towards, limit)
-    }
-}
-
-/// See [`proximity`].
-#[inline(always)]
-fn walk_towards<A: Core + ?Sized, B: Core + ?Sized>(
-    a: &A,
-    b: &B,
-    b_in_a: &Isometry,
-    towards: Vec3,
-    limit: f32,
-) -> Proximity {
+///
+/// Points are asked one by one. By all lanes, and in double precision only where single precision can't decide, was tried: hulls gain nothing by it, and boxes lose.
+pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, towards: Vec3, limit: f32) -> Proximity {
     let (placed, towards) = (Placed::new(b_in_a), towards.as_dvec3());
     let first = (a.support(towards), b.support(placed.back(-towards)));
     match walk_from(first, a, b, &placed, f64::from(limit), GAP) {
@@ -215,7 +158,6 @@ pub(crate) fn walk_until<A: Core + ?Sized, B: Core + ?Sized>(
 }
 
 /// The same from a point of each set.
-#[inline(always)]
 fn walk_from<A: Core + ?Sized, B: Core + ?Sized>(
     first: (A::Vertex, B::Vertex),
     a: &A,
@@ -421,7 +363,7 @@ mod tests {
     use super::*;
 
     fn near(a: &[Vec3], b: &[Vec3], limit: f32) -> Proximity {
-        proximity_of_points(a, b, Vec3::Z, limit)
+        proximity(a, b, &Isometry::IDENTITY, Vec3::Z, limit)
     }
 
     fn apart(a: &[Vec3], b: &[Vec3]) -> Closest {

@@ -60,7 +60,7 @@ pub(crate) fn collide(
         Some(closest) => Proximity::Apart(closest),
         None => {
             let towards = choice.as_ref().map_or(widest.normal, |choice| choice.least.normal);
-            gjk::proximity(a, b, b_in_a, towards, margin)
+            gjk::proximity(a.vertices, b.vertices, b_in_a, towards, margin)
         }
     };
     let manifold = match proximity {
@@ -147,7 +147,7 @@ fn middle<'a>(points: impl Iterator<Item = &'a ContactPoint>) -> Option<Vec3> {
 /// Signed distance of two polyhedra.
 pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     if let Proximity::Apart(closest) =
-        gjk::proximity(a, b, b_in_a, b_in_a.point(b.center) - a.center, f32::INFINITY)
+        gjk::proximity(a.vertices, b.vertices, b_in_a, b_in_a.point(b.center) - a.center, f32::INFINITY)
     {
         return closest;
     }

@@ -2,10 +2,10 @@
 
 use super::facet::Facet;
 use super::{Placed, Probe, Surface, Touch};
-use crate::gjk::{Proximity, proximity_of_points};
+use crate::gjk::{Proximity, proximity};
 use crate::reduce::{reduce_within, start};
 use crate::{ContactPoint, Manifold};
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 
 /// Cosine of 2°: contacts whose normals differ less share a manifold.
 const SAME: f32 = 0.999_39;
@@ -98,7 +98,7 @@ fn explained(facets: &[Facet], probe: &Probe, touch: &Touch) -> bool {
 
 /// Whether A's core overlaps the triangle.
 fn crosses(core: &[Vec3], facet: &Facet) -> bool {
-    let way = proximity_of_points(core, &facet.corners, -facet.normal, 0.0);
+    let way = proximity(core, &facet.corners, &Isometry::IDENTITY, -facet.normal, 0.0);
     matches!(way, Proximity::Overlap)
 }
 

@@ -2,9 +2,9 @@
 
 use super::facet::{Facet, corner_pushes};
 use super::{Placed, Probe, Surface, Touch};
-use crate::gjk::{Proximity, proximity_to_points};
+use crate::gjk::{Proximity, proximity};
 use crate::poly::Poly;
-use rockfall_math::Vec3;
+use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{EdgeKind, HullEdge};
 use smallvec::SmallVec;
 
@@ -87,7 +87,9 @@ pub(super) fn nearest<'a>(
     let mut best: Option<Touch> = None;
     for (i, facet) in facets {
         let limit = best.map_or(probe.margin, |touch| touch.distance);
-        let Proximity::Apart(closest) = proximity_to_points(a, &facet.corners, -facet.normal, limit) else {
+        let Proximity::Apart(closest) =
+            proximity(a.vertices, &facet.corners, &Isometry::IDENTITY, -facet.normal, limit)
+        else {
             continue;
         };
         if facet.height(closest.on_a) > 0.0 && best.is_none_or(|touch| closest.distance < touch.distance) {

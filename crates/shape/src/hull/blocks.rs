@@ -24,8 +24,6 @@ pub struct HullBlocks {
     pub ring_starts: Vec<u32>,
     /// Face indices, see `ring_starts`.
     pub rings: Vec<u32>,
-    /// Distance of the farthest corner from the origin, metres.
-    pub radius: f32,
 }
 
 impl HullBlocks {
@@ -45,7 +43,6 @@ impl HullBlocks {
             faces: faces.chunks(HULL_LANES).map(face_block).collect(),
             ring_starts: std::iter::once(0).chain(ends).collect(),
             rings: rings.concat(),
-            radius: hull.vertices.iter().fold(0.0, |most, v| v.length().max(most)),
         }
     }
 }
