@@ -6,11 +6,16 @@ mod box3d;
 #[cfg(feature = "jolt")]
 #[allow(unsafe_code)]
 mod jolt;
+#[cfg(feature = "physx")]
+#[allow(unsafe_code)]
+mod physx;
 #[cfg(feature = "peers")]
 mod rapier;
 mod rockfall;
 
 use crate::Error;
+#[cfg(any(feature = "peers", feature = "physx"))]
+use ::rockfall::math::rotation;
 use ::rockfall::math::{DVec3, Pose, Vec3};
 use ::rockfall::{Integrator, Kind, Mix, Quality, Settings, Shape, Solver};
 use serde::Serialize;
@@ -31,31 +36,40 @@ pub enum EngineName {
     Box3d,
     /// Jolt, where it is built: the feature `jolt`.
     Jolt,
+    /// PhysX, where it is built: the feature `physx`.
+    Physx,
 }
 
 /// Rockfall's three solvers, and peers.
 pub(crate) const ALL: &[EngineName] = &EngineName::ALL;
 
 /// Those that know friction and restitution: `reflect` knows neither.
-pub(crate) const WITH_FRICTION: &[EngineName] =
-    &[EngineName::SoftStep, EngineName::Impulse, EngineName::Rapier, EngineName::Box3d, EngineName::Jolt];
+pub(crate) const WITH_FRICTION: &[EngineName] = &[
+    EngineName::SoftStep,
+    EngineName::Impulse,
+    EngineName::Rapier,
+    EngineName::Box3d,
+    EngineName::Jolt,
+    EngineName::Physx,
+];
 
 /// Those with Coulomb's law in impacts: `impulse` has another one.
 pub(crate) const WITH_COULOMB: &[EngineName] =
-    &[EngineName::SoftStep, EngineName::Rapier, EngineName::Box3d, EngineName::Jolt];
+    &[EngineName::SoftStep, EngineName::Rapier, EngineName::Box3d, EngineName::Jolt, EngineName::Physx];
 
 /// The default solver alone: the others don't claim what the case is about, or don't tell their forces.
 pub(crate) const DEFAULT: &[EngineName] = &[EngineName::SoftStep];
 
 impl EngineName {
     /// All.
-    pub const ALL: [EngineName; 6] = [
+    pub const ALL: [EngineName; 7] = [
         EngineName::SoftStep,
         EngineName::Impulse,
         EngineName::Reflect,
         EngineName::Rapier,
         EngineName::Box3d,
         EngineName::Jolt,
+        EngineName::Physx,
     ];
 
     /// Those that this build has.
@@ -64,13 +78,14 @@ impl EngineName {
             EngineName::SoftStep | EngineName::Impulse | EngineName::Reflect => true,
             EngineName::Rapier | EngineName::Box3d => cfg!(feature = "peers"),
             EngineName::Jolt => cfg!(feature = "jolt"),
+            EngineName::Physx => cfg!(feature = "physx"),
         };
         EngineName::ALL.into_iter().filter(has).collect()
     }
 
     /// Whether it is not one of Rockfall's.
     pub(crate) fn is_peer(self) -> bool {
-        matches!(self, EngineName::Rapier | EngineName::Box3d | EngineName::Jolt)
+        !matches!(self, EngineName::SoftStep | EngineName::Impulse | EngineName::Reflect)
     }
 
     /// As on the command line.
@@ -82,6 +97,7 @@ impl EngineName {
             EngineName::Rapier => "rapier",
             EngineName::Box3d => "box3d",
             EngineName::Jolt => "jolt",
+            EngineName::Physx => "physx",
         }
     }
 
@@ -103,6 +119,10 @@ impl EngineName {
             EngineName::Jolt => return Ok(Box::new(jolt::Jolt::new(terms)?)),
             #[cfg(not(feature = "jolt"))]
             EngineName::Jolt => return Err(Error::NotBuilt { engine: self.name(), feature: "jolt" }),
+            #[cfg(feature = "physx")]
+            EngineName::Physx => return Ok(Box::new(physx::Physx::new(terms)?)),
+            #[cfg(not(feature = "physx"))]
+            EngineName::Physx => return Err(Error::NotBuilt { engine: self.name(), feature: "physx" }),
         };
         Ok(Box::new(rockfall::Rockfall::new(solver, terms)?))
     }
@@ -272,3 +292,13 @@ pub(crate) trait Engine {
     /// not tell.
     fn load(&self, body: usize) -> Option<DVec3>;
 }
+
+/// A pose that is given in the frame of another one.
+#[cfg(any(feature = "peers", feature = "physx"))]
+fn within(outer: &Pose, inner: &Pose) -> Pose {
+    let position = outer.point(inner.position.as_vec3());
+    Pose { position, rotation: rotation::compose(outer.rotation, inner.rotation) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! Box3D with the settings that it comes with, but for the length of a step, the sub-steps that a set-up asks for, and its restitution threshold; nobody
 //! sleeps. Mass and inertia are the same numbers as ours. It has no planes: a half-space is a box of 400 m.
 
-use super::{DENSITY, Engine, Terms, Thing};
+use super::{DENSITY, Engine, Terms, Thing, within};
 use crate::Error;
 use boxddd::{
     BodyId, BodyType, BoxHull, Capsule, Foundation, Hull, MassData, Matrix3, MeshData, Quat as Turn,
@@ -173,12 +173,6 @@ impl Engine for Box3d {
     fn load(&self, _: usize) -> Option<DVec3> {
         None
     }
-}
-
-/// A pose that is given in the frame of another one.
-fn within(outer: &Pose, inner: &Pose) -> Pose {
-    let position = outer.point(inner.position.as_vec3());
-    Pose { position, rotation: rotation::compose(outer.rotation, inner.rotation) }
 }
 
 fn turn_of(q: Quat) -> Turn {
