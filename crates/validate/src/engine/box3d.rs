@@ -118,11 +118,7 @@ impl Engine for Box3d {
         };
         let place = within(&thing.pose, &offset);
         let def = self.foundation.body_def_builder().body_type(kind).enable_sleep(false);
-        let def = def
-            .position(place.position.as_vec3().to_array())
-            .rotation(turn_of(place.rotation))
-            .linear_velocity(thing.velocity.to_array())
-            .angular_velocity(thing.spin.to_array());
+        let def = def.position(place.position.as_vec3().to_array()).rotation(turn_of(place.rotation));
         let body = self.world.create_body(def.build()?)?;
         self.add(body, &thing.shape, &Pose::default(), thing)?;
         if let (Some(solid), Kind::Dynamic) = (thing.shape.mass_properties(DENSITY), thing.kind) {
@@ -135,7 +131,11 @@ impl Engine for Box3d {
         }
         self.bodies.push(body);
         self.offsets.push(offset);
-        Ok(())
+        if thing.kind == Kind::Static {
+            return Ok(());
+        }
+        // Of the centre of mass, which it has to know before.
+        self.set_velocity(self.bodies.len() - 1, thing.velocity, thing.spin)
     }
 
     fn step(&mut self) -> Result<(), Error> {

@@ -70,7 +70,11 @@ impl Engine for Rapier {
             }
             _ => body,
         };
-        self.handles.push(self.world.insert(body, collider).0);
+        let (handle, _) = self.world.insert(body, collider);
+        // What is pushed before the first step has its mass already.
+        let Rapier { world, .. } = self;
+        world.bodies[handle].recompute_mass_properties_from_colliders(&world.colliders);
+        self.handles.push(handle);
         Ok(())
     }
 
