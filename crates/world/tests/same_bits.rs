@@ -210,10 +210,10 @@ fn large_pile_determinism() {
     pile.same(&runs, 100_000);
 }
 
-/// Promise: threads and lanes also where a world has tiles and more than a million contacts. Minutes and 1 GB; run it with
+/// Promise: threads and lanes also where a world has tiles and more than a million contacts. A quarter of an hour; run it with
 /// `cargo test --release -p rockfall --test same_bits -- --ignored a_million`.
 #[test]
-#[ignore = "minutes: cargo test --release -p rockfall --test same_bits -- --ignored a_million"]
+#[ignore = "a quarter of an hour: cargo test --release -p rockfall --test same_bits -- --ignored a_million"]
 fn a_million_contacts_have_the_same_bits() {
     let pile = Pile { n: 72, layers: 30, steps: 90, slab: false };
     let runs = [
