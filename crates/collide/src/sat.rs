@@ -66,7 +66,7 @@ pub(crate) fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, reach: f32) -> O
 
 /// The axis of least overlap of two polyhedra, and the one to prefer. `faces` are their best.
 pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, [of_a, of_b]: [Axis; 2]) -> Choice {
-    let edges = edges::best(a, b, b_in_a, of_a.separation.max(of_b.separation).abs());
+    let edges = best_edges(a, b, b_in_a, of_a.separation.max(of_b.separation).abs());
     let mut choice = Choice { steady: of_a, least: of_a, edges };
     let radius = a.inner_radius.min(b.inner_radius);
     for axis in std::iter::once(of_b).chain(edges) {

@@ -1,7 +1,6 @@
 //! The targets, fed without a fuzzer: the same inputs on every machine.
 //!
 //! Nothing may take longer than [`PATIENCE`]: what does not end is stopped with the number of its input.
-
 //!
 //! Each target gets as many inputs as take a second or a few. `ROCKFALL_FUZZ_SECONDS=30` goes on with each for half a minute at least, two of them
 //! at a time on two processors; `ROCKFALL_FUZZ_FROM=1000` begins with the input of that number, as it is named when something breaks.

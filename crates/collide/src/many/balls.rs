@@ -2,7 +2,7 @@
 //!
 //! The core of a ball is a point, of a capsule a segment, of a box the box: each is a box, of which some extents are nothing.
 
-use super::{Found, Meeting};
+use super::{Found, Meeting, SIDE};
 use crate::closest::Closest;
 use crate::convex::{put, within};
 use crate::feature;
@@ -11,9 +11,6 @@ use crate::sphere_box::region;
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
 use rockfall_shape::Shape;
-
-/// Pairs side by side.
-const SIDE: usize = 16;
 
 /// A core and the skin around it, metres.
 struct Core {
