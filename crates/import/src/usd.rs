@@ -11,6 +11,8 @@ mod guard;
 mod instancer;
 mod known;
 mod material;
+mod names;
+mod text;
 mod units;
 mod values;
 mod walk;

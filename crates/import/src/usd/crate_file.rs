@@ -5,7 +5,9 @@
 //! `crateFile.cpp` (pxr/usd/usd, version 0.13): a head with the place of a table of sections, compressed tables of tokens, fields, paths and specs, and values
 //! at offsets.
 
+use super::names::{close, refused};
 use lz4_flex::block::decompress_into;
+use std::collections::BTreeMap;
 
 /// The first bytes of such a file.
 pub(super) const MAGIC: &[u8] = b"PXR-USDC";
@@ -28,7 +30,15 @@ type Check<T = ()> = Result<T, String>;
 
 /// Looks through a whole file.
 pub(super) fn check(bytes: &[u8]) -> Check {
-    let mut file = Crate { bytes, version: 0, tokens: 0, strings: Vec::new(), paths: 0, budget: 1 << 20 };
+    let mut file = Crate {
+        bytes,
+        version: 0,
+        tokens: 0,
+        broken: BTreeMap::new(),
+        strings: Vec::new(),
+        paths: 0,
+        budget: 1 << 20,
+    };
     // Values that others share are counted each time; a file says few things often.
     file.budget += bytes.len();
     file.whole()
@@ -40,6 +50,8 @@ struct Crate<'a> {
     version: u32,
     /// How many there are.
     tokens: u64,
+    /// Tokens whose braces do not close, by number: no names.
+    broken: BTreeMap<u32, String>,
     /// The token of each string.
     strings: Vec<u32>,
     /// How many there are.
@@ -111,8 +123,8 @@ impl Crate<'_> {
         }
     }
 
-    /// Lengths of the tokens.
-    fn tokens(&self, mut at: At) -> Check<Vec<usize>> {
+    /// Lengths of the tokens; keeps those that are no names.
+    fn tokens(&mut self, mut at: At) -> Check<Vec<usize>> {
         let count = self.u64(&mut at)?;
         let size = self.u64(&mut at)?;
         let packed = self.u64(&mut at)?;
@@ -121,10 +133,13 @@ impl Crate<'_> {
             return Err(format!("{packed} bytes hold {count} tokens of {size} bytes"));
         }
         let text = self.unpack(at, packed, size as usize)?;
-        let mut lengths: Vec<usize> = text.split(|b| *b == 0).map(<[u8]>::len).collect();
+        let mut tokens: Vec<&[u8]> = text.split(|b| *b == 0).collect();
         // Each ends with a zero, so that nothing is behind the last one.
-        lengths.pop();
-        Ok(lengths)
+        tokens.pop();
+        let broken = tokens.iter().enumerate().filter(|(_, token)| !close(token));
+        self.broken =
+            broken.map(|(k, token)| (k as u32, String::from_utf8_lossy(token).into_owned())).collect();
+        Ok(tokens.into_iter().map(<[u8]>::len).collect())
     }
 
     /// Paths must be a tree, in which each is found once.
@@ -150,11 +165,13 @@ impl Crate<'_> {
                     return Err("its paths are not a tree, or too deep".into());
                 }
                 // The first is the root, which has no name.
-                let name = names[here].unsigned_abs() as usize;
-                let own = match (here, tokens.get(name)) {
-                    (0, _) => 1,
-                    (_, Some(own)) => length.saturating_add(own + 1),
-                    (_, None) => return Err(format!("a path has the token {name}, which is not there")),
+                let own = match here {
+                    0 => 1,
+                    _ => {
+                        let name = names[here].unsigned_abs();
+                        self.name(name)?;
+                        length.saturating_add(tokens[name as usize] + 1)
+                    }
                 };
                 bytes = bytes.saturating_add(own);
                 if bytes > MOST_PATH_BYTES {
@@ -209,16 +226,21 @@ impl Crate<'_> {
             _ if array => self.array(kind, at, packed),
             10 => self.string(if inlined { value as u32 } else { self.u32(&mut At(at.0))? }),
             11 | 53 if !inlined => Err("a token is not where it should be".into()),
-            11 | 12 | 53 | 57 if inlined => self.below(value as u32, self.tokens),
+            11 => self.name(value as u32),
+            12 | 53 | 57 if inlined => self.below(value as u32, self.tokens),
             12 | 57 => self.string(self.u32(&mut At(at.0))?),
             31 if inlined => Ok(()),
             31 => self.dictionary(&mut At(at.0), depth),
             32..=41 | 45..=50 | 54 | 55 | 58 if inlined || array || packed => {
                 Err(format!("a value of type {kind} is written in a way that it can't be"))
             }
-            32 => self.lists(at, |file, at| file.indices(at, file.tokens).map(|_| ())),
+            32 => self.lists(at, |file, at| file.names(at)),
             34 => self.lists(at, |file, at| file.indices(at, file.paths).map(|_| ())),
-            33 | 54 => self.lists(at, Self::strings),
+            33 => self.lists(at, |file, at| {
+                let named = file.indices(at, file.strings.len() as u64)?;
+                named.into_iter().try_for_each(|string| file.name(file.strings[string as usize]))
+            }),
+            54 => self.lists(at, Self::strings),
             36 | 38 => self.lists(at, |file, at| file.list(at, 4)),
             37 | 39 => self.lists(at, |file, at| file.list(at, 8)),
             35 => self.lists(at, |file, at| {
@@ -242,13 +264,18 @@ impl Crate<'_> {
                 })
             }),
             40 => self.indices(&mut At(at.0), self.paths).map(|_| ()),
-            41 => self.indices(&mut At(at.0), self.tokens).map(|_| ()),
+            41 => self.names(&mut At(at.0)),
             50 => self.strings(&mut At(at.0)),
             45 => {
                 let mut at = At(at.0);
                 let count = self.u64(&mut at)?;
                 self.fits(at, count, 8)?;
-                (0..2 * count).try_for_each(|_| self.string(self.u32(&mut at)?))
+                // Sets of variants, and which of each is selected.
+                (0..2 * count).try_for_each(|_| {
+                    let string = self.u32(&mut at)?;
+                    self.string(string)?;
+                    self.name(self.strings[string as usize])
+                })
             }
             58 => {
                 let mut at = At(at.0);
@@ -272,6 +299,17 @@ impl Crate<'_> {
     /// The number of a string must be one.
     fn string(&self, index: u32) -> Check {
         self.below(index, self.strings.len() as u64)
+    }
+
+    /// A token that may become part of a path must be a name.
+    fn name(&self, token: u32) -> Check {
+        self.below(token, self.tokens)?;
+        self.broken.get(&token).map_or(Ok(()), |token| Err(refused(token)))
+    }
+
+    /// A count, and so many tokens that are names; ends behind them.
+    fn names(&self, at: &mut At) -> Check {
+        self.indices(at, self.tokens)?.into_iter().try_for_each(|token| self.name(token))
     }
 
     fn below(&self, index: u32, count: u64) -> Check {
@@ -333,7 +371,7 @@ impl Crate<'_> {
         if !packed || !(integers || floats) || count < 4 {
             self.fits(at, count, size)?;
             let tokens = if kind == 11 { count } else { 0 };
-            return (0..tokens).try_for_each(|_| self.below(self.u32(&mut at)?, self.tokens));
+            return (0..tokens).try_for_each(|_| self.name(self.u32(&mut at)?));
         }
         if floats {
             let [code] = self.take(&mut at)?;

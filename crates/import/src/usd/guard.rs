@@ -1,6 +1,6 @@
 //! Every file of a stage passes here on its way to the library that reads it, which trusts counts and sizes in files more than it should.
 
-use super::crate_file;
+use super::{crate_file, text};
 use openusd::ar::{self, Asset, DefaultResolver, ResolvedPath};
 use std::cell::RefCell;
 use std::fs::File;
@@ -9,8 +9,6 @@ use std::rc::Rc;
 
 /// The largest file that is read, bytes, unpacked.
 const MOST_BYTES: u64 = 4 << 30;
-/// Brackets in brackets of a text; the reader of texts calls itself for each.
-const DEEPEST: usize = 500;
 
 /// Finds files as the library does, and looks at them before it does.
 pub(super) struct Resolver {
@@ -93,18 +91,5 @@ fn check(bytes: &[u8], name: &str) -> Result<(), String> {
     if name.to_ascii_lowercase().ends_with(".usdz") {
         return Ok(());
     }
-    let mut depth = 0_usize;
-    let mut deepest = 0;
-    for byte in bytes {
-        match byte {
-            b'(' | b'[' | b'{' => depth += 1,
-            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        deepest = deepest.max(depth);
-    }
-    match deepest > DEEPEST {
-        true => Err(format!("brackets are more than {DEEPEST} deep")),
-        false => Ok(()),
-    }
+    text::check(bytes)
 }

@@ -256,6 +256,47 @@ fn text_that_is_no_stage_is_refused() {
     assert!(missing.to_string().ends_with("missing.usda: no such file, expected a scene"));
 }
 
+/// Who goes up from a path that ends with a brace which nothing opened never arrives, in openusd 0.6.
+#[test]
+fn names_that_have_no_way_up_are_refused() {
+    let body = |more: &str| ball("Stone", more);
+    for text in [
+        // A path without its end reaches to the next one's, over all that is between.
+        body(
+            "rel material:binding = </World/Materials/Sto\n}\ndef Cube \"A\" {\nrel material:binding = </World/Steel>",
+        ),
+        ball("Stone}", ""),
+        ball("Stone", "def \"Chip}\" {}"),
+        "def Xform \"A\" (variants = { string size = \"large}\" } add variantSets = \"size\") {}".to_owned(),
+        "def Xform \"A\" (variantSets = [\"size\", \"si}e\"]) {}".to_owned(),
+        "def Xform \"A\" { variantSet \"size\" = { \"small\" { } \"la}rge\" { } } }".to_owned(),
+        "def Xform \"A\" { variantSet \"si}ze\" = { \"small\" { } } }".to_owned(),
+        "def Xform \"A\" (inherits = </Class{a=b}}>) {}".to_owned(),
+    ] {
+        let error = stage(&text).unwrap_err();
+        assert!(error.contains("braces"), "{text}: {error}");
+    }
+    // What is said in strings is nobody's name.
+    let said = "string note = \"} is {}\" (\n doc = \"'}' <}>\"\n)\n string[] more = [\"}\"] # <}>\n asset file = @}@";
+    let content = stage(&body(said)).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(names(&content), ["/Stone"]);
+}
+
+#[test]
+fn binary_names_that_have_no_way_up_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = stages().join("everything.usda");
+    let Some(_) = python("read_with_usd.py", &[path.as_os_str(), folder.path().as_os_str()]) else { return };
+    let path = folder.path().join("stage.usdc");
+    let mut bytes = std::fs::read(&path).unwrap();
+    let name = b"Tumbler\0";
+    let at = bytes.windows(name.len()).position(|bytes| bytes == name).expect("it is in the file as it is");
+    bytes[at + name.len() - 2] = b'}';
+    std::fs::write(&path, bytes).unwrap();
+    let error = read(&path, &Place::default()).unwrap_err();
+    assert!(error.reason.contains("braces"), "{error}");
+}
+
 #[test]
 fn no_damage_to_a_stage_does_more_than_refuse_it() {
     let folder = tempfile::tempdir().unwrap();
