@@ -4,7 +4,7 @@
 //! nearest neighbors and the normal field", The Visual Computer 28, 2012); the largest then goes to where there is more room.
 
 use super::Mesh;
-use rockfall_math::{DVec3, Vec3};
+use rockfall_math::{Aabb, DVec3, Vec3};
 
 /// Triangles that a ball starts from, evenly among all: the ball need not be the largest, and a mesh may have millions.
 const STARTS: usize = 64;
@@ -14,6 +14,9 @@ const SHRINKS: usize = 32;
 
 /// Steps towards more room are halved so often, from half of the radius on.
 const HALVINGS: usize = 8;
+
+/// Steps of one length, in each of the six directions: enough for one across a body, and no more where a tiny ball would go a long way.
+const STEPS: usize = 64;
 
 /// Middle and radius, metres, of a ball behind a closed surface; no ball where nothing is enclosed.
 pub(super) fn inner_ball(mesh: &Mesh) -> (Vec3, f32) {
@@ -31,8 +34,12 @@ pub(super) fn inner_ball(mesh: &Mesh) -> (Vec3, f32) {
     (middle.as_vec3(), ((radius - 1e-6 * f64::from(largest)).max(0.0)) as f32)
 }
 
-/// How far a point is behind the surface, metres.
+/// How far a point is behind the surface, metres. What lies beyond the bounds is not enclosed, though it be behind what it is nearest to: where a part of the mesh
+/// is inside out, all the rest of the world is.
 fn depth(mesh: &Mesh, p: DVec3) -> f64 {
+    if !mesh.bounds.contains(&Aabb::around(p, p)) {
+        return 0.0;
+    }
     mesh.nearest(p, f64::INFINITY).map_or(0.0, |near| -near.distance)
 }
 
@@ -59,16 +66,18 @@ fn shrunk(mesh: &Mesh, at: DVec3, into: DVec3, largest: f64) -> (DVec3, f64) {
 fn roomiest(mesh: &Mesh, (mut middle, mut radius): (DVec3, f64)) -> (DVec3, f64) {
     let mut step = 0.5 * radius;
     for _ in 0..HALVINGS {
-        let mut moves = true;
-        while moves {
-            moves = false;
+        for _ in 0..STEPS {
+            let before = middle;
             for way in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z] {
                 let there = middle + step * way;
                 let room = depth(mesh, there);
-                // By enough that it comes to an end.
+                // By enough to be worth the way.
                 if room > radius + 1e-2 * step {
-                    (middle, radius, moves) = (there, room, true);
+                    (middle, radius) = (there, room);
                 }
+            }
+            if middle == before {
+                break;
             }
         }
         step *= 0.5;
@@ -116,6 +125,27 @@ mod tests {
         let (middle, radius) = mesh.inner_ball;
         assert!(radius <= 0.03 && radius > 0.028, "{radius}");
         assert!((middle.truncate().length() - 0.1).abs() < 0.002 && middle.z.abs() < 0.002, "{middle}");
+    }
+
+    /// Behind the small one is the whole world, and room without end.
+    #[test]
+    fn the_ball_stays_within_where_a_part_is_inside_out() {
+        let cube = |half: f32, at: Vec3| {
+            let hull = Hull::cuboid(Vec3::splat(half));
+            let vertices: Vec<Vec3> = hull.vertices.iter().map(|v| *v + at).collect();
+            (vertices, mesh_of(&hull).triangles.clone())
+        };
+        let ((mut vertices, mut triangles), (more, turned)) =
+            (cube(1.0, Vec3::ZERO), cube(0.1, Vec3::new(3.0, 0.0, 0.0)));
+        let first = vertices.len() as u32;
+        vertices.extend(more);
+        triangles.extend(turned.iter().map(|t| [t[0], t[2], t[1]].map(|c| c + first)));
+        let mesh = Mesh::from_triangles(&vertices, &triangles).expect("two cubes");
+        let (middle, radius) = mesh.inner_ball;
+        assert!(
+            mesh.bounds.contains(&Aabb::from_points([middle])) && radius > 0.6 && radius < 4.2,
+            "{middle} {radius}"
+        );
     }
 
     #[test]
