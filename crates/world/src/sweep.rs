@@ -19,11 +19,11 @@ mod ways;
 use crate::bodies::Bodies;
 use crate::index::Index;
 use crate::{Kind, Shape};
-use flight::{Flight, fly};
+use flight::{Flight, fly, way};
 use meet::meet;
 use rayon::prelude::*;
 use rockfall_math::share::Share;
-use rockfall_math::{Aabb, Quat, Vec3, rotation};
+use rockfall_math::{Aabb, Pose, Quat, Vec3, rotation};
 use rockfall_solve::line::Role;
 use rockfall_tree::Tree;
 
@@ -74,7 +74,7 @@ fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
         rows().filter(|&row| role(row) == Role::Free && is_fast(bodies, shapes, row as usize)).collect();
     let driven: Vec<u32> = rows().filter(|&row| role(row) == Role::Driven && moves(row)).collect();
     for driven in driven {
-        overrun(bodies, trees, driven, &mut movers);
+        overrun(bodies, around, driven, &mut movers);
     }
     if movers.is_empty() {
         return Vec::new();
@@ -82,7 +82,7 @@ fn stopped(bodies: &Bodies, around: Surroundings<'_>) -> Vec<Flight> {
     movers.sort_unstable();
     movers.dedup();
     let driven = rows().filter(|&row| bodies.kinds[row as usize] == Kind::Kinematic);
-    let (driven, ways): (_, Vec<_>) = driven.map(|row| (row, way_box(bodies, row as usize))).unzip();
+    let (driven, ways): (_, Vec<_>) = driven.map(|row| (row, way_box(bodies, around, row as usize))).unzip();
     let driven = Crowd::new(driven, &ways);
     let scene = Scene { bodies, shapes, trees, starts, driven: &driven };
     let flights: Vec<Flight> =
@@ -147,11 +147,11 @@ fn collide(bodies: &Bodies, a: u32, b: u32) -> bool {
 
 /// Adds those to `movers` that a kinematic body runs over: it passes the place of each by more than what contacts of that see. Balls in a drum
 /// that turns go with it.
-fn overrun(bodies: &Bodies, trees: &Index, driven: u32, movers: &mut Vec<u32>) {
+fn overrun(bodies: &Bodies, around: Surroundings<'_>, driven: u32, movers: &mut Vec<u32>) {
     let d = driven as usize;
     let (way, turn) = (bodies.drifts[d].translation(), bodies.drifts[d].rotation());
     let mut near = Vec::new();
-    trees.movers.query(&way_box(bodies, d), |row| near.push(row));
+    around.trees.movers.query(&way_box(bodies, around, d), |row| near.push(row));
     movers.par_extend(near.into_par_iter().with_min_len(512).shared().filter(|&row| {
         let r = row as usize;
         let arm = (bodies.positions[r] - bodies.positions[d]).as_vec3();
@@ -181,15 +181,40 @@ fn is_fast(bodies: &Bodies, shapes: &[Shape], row: usize) -> bool {
 }
 
 /// A box around all of a body on its way through the step.
-fn way_box(bodies: &Bodies, row: usize) -> Aabb {
-    let end = bodies.positions[row];
-    let start = end - bodies.drifts[row].translation().as_dvec3();
-    Aabb::around(start.min(end), start.max(end)).grown(bodies.radii[row])
+fn way_box(bodies: &Bodies, around: Surroundings<'_>, row: usize) -> Aabb {
+    let end = bodies.shape_pose(row);
+    let (center, radius) = (bodies.centers[row], bodies.radii[row]);
+    let rotation = if bodies.roles[row] == Role::Still { end.rotation } else { around.starts[row] };
+    let way = way(bodies, row as u32).0.as_dvec3();
+    let arm = rotation::rotate(rotation, center).as_dvec3();
+    let start = Pose { position: bodies.positions[row] - way - arm, rotation };
+    match around.shapes.get(bodies.shapes[row] as usize) {
+        Some(shape) => swept_bounds(shape, center, radius, [&start, &end]),
+        None => Aabb::around(start.position.min(end.position), start.position.max(end.position)),
+    }
+}
+
+/// Radians above which a body that turns may be anywhere about its centre.
+const TURNS: f32 = 1.0;
+
+/// A box around a shape that goes straight from one pose to another, and turns evenly about its `center`, from which no point of it is further than `radius`: around both
+/// places, and what arcs bulge out over their chords. Not around all ways in which it could be turned: most of those of a long wall are far from where it is.
+fn swept_bounds(shape: &Shape, center: Vec3, radius: f32, [start, end]: [&Pose; 2]) -> Aabb {
+    let turn = rotation::compose(end.rotation, rotation::inverse(start.rotation));
+    let angle = rotation::to_rotation_vector(turn).length();
+    if angle > TURNS {
+        let [from, to] = [start, end].map(|pose| pose.point(center));
+        return Aabb::around(from.min(to), from.max(to)).grown(radius);
+    }
+    // 1 - cos x ≤ x² / 2, at half of the turn. Without a turn there is none, however large the body.
+    let bulge = if angle > 0.0 { 0.125 * angle * angle * radius } else { 0.0 };
+    shape.placed_bounds(start).union(&shape.placed_bounds(end)).grown(bulge)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rockfall_math::DVec3;
 
     /// Falling at 10 m/s after a step in which it would have gone a metre further than it came; and thrown upwards.
     #[test]
@@ -201,5 +226,32 @@ mod tests {
         assert!((v.z - 120.0_f32.sqrt()).abs() < 1e-5, "{v}");
         assert_eq!(unfallen(Vec3::Z * -1.0, gravity, up), Vec3::ZERO);
         assert_eq!(unfallen(Vec3::X, Vec3::ZERO, up), Vec3::X);
+    }
+
+    /// A long wall, seen every hundredth of its way; and that its box is not one around all that it could be.
+    #[test]
+    fn a_body_on_its_way_is_in_its_box() {
+        let half = Vec3::new(0.2, 10.0, 3.0);
+        let (shape, center) = (Shape::Box { half }, Vec3::new(0.0, -4.0, 1.0));
+        let radius = (half + center.abs()).length();
+        let axis = Vec3::new(2.0, -1.0, 0.5).normalize();
+        let rotation = Quat::from_xyzw(0.1, 0.2, -0.3, 0.9).normalize();
+        for angle in [0.0, 0.01, 0.3, 0.9, 2.5_f32] {
+            let way = DVec3::new(1.0, -0.5, 2.0) * f64::from(angle);
+            let at = |share: f32| {
+                let rotation =
+                    rotation::compose(rotation::from_rotation_vector(axis * angle * share), rotation);
+                let arm = rotation::rotate(rotation, center).as_dvec3();
+                Pose { position: DVec3::new(1e3, 2e3, 5.0) + way * f64::from(share) - arm, rotation }
+            };
+            let bounds = swept_bounds(&shape, center, radius, [&at(0.0), &at(1.0)]);
+            for k in 0..=100 {
+                let there = shape.placed_bounds(&at(k as f32 / 100.0));
+                // A unit in the last place of a kilometre.
+                assert!(bounds.grown(1.3e-4).contains(&there), "{angle} {k}: {bounds:?} {there:?}");
+            }
+            let volume = (bounds.max - bounds.min).element_product();
+            assert!(angle > 1.0 || volume < 0.5 * (2.0 * radius).powi(3), "{angle}: {bounds:?} of {radius}");
+        }
     }
 }
