@@ -231,6 +231,38 @@ fn a_box_on_triangles_has_the_four_corners_that_it_has_on_a_plane() {
     }
 }
 
+/// Promise: what has sunk in by a line or by a point touches there only, not where its sides go through other triangles of the same floor.
+#[test]
+fn what_rolls_on_triangles_touches_where_it_does_on_a_plane() {
+    let lying = rotation::between(Vec3::Z, Vec3::Y);
+    let cylinder = Shape::Cylinder { half_length: 0.3, radius: 0.4 };
+    let ellipsoid = Shape::Ellipsoid { half: Vec3::new(0.3, 0.5, 0.4) };
+    let ends = [-0.3, 0.3].map(|y| Vec3::new(0.0, y, -0.3995));
+    for (shape, turn, expected) in
+        [(cylinder, lying, &ends[..]), (ellipsoid, Quat::IDENTITY, &[Vec3::Z * -0.3995])]
+    {
+        for mesh in &floors() {
+            for k in 0..50 {
+                let turn = rotation::compose(about_z(0.13 * k as f32), turn);
+                let pose = at(Vec3::new(0.05 * k as f32 - 1.25, 0.02 * k as f32 - 0.5, 0.399), turn);
+                let manifolds = touch(&shape, mesh, &pose, 0.01);
+                assert_eq!(manifolds.len(), 1);
+                let points = manifolds[0].points();
+                let what = format!("{} at {k} on {} triangles", shape.name(), mesh.triangles.len());
+                assert_eq!(points.len(), expected.len(), "{what}: {points:#?}");
+                for &p in expected {
+                    let heading = about_z(0.13 * k as f32);
+                    let p = rotation::rotate(heading, p) + pose.translation;
+                    let found = points.iter().any(|q| {
+                        pose.point(q.position).distance(p) < 1e-4 && (q.distance + 0.001).abs() < 1e-5
+                    });
+                    assert!(found, "{what}: {p}, {points:#?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_sliding_body_feels_no_seams() {
     for mesh in &floors()[..3] {

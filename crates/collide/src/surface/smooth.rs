@@ -78,7 +78,7 @@ pub(super) fn touch<S: Surface>(
     }
     let spoke = probe.frame * start(probe.frame.transpose() * facet.normal);
     let shown = on_face(facet, i, a, &patch(a, -facet.normal, spoke), deepest, probe, touches);
-    if !shown && height < 0.0 {
+    if !shown && height < 0.0 && !goes_on_lower(facet, deepest) {
         touches.extend(lowest_over(facet, i, a, height, probe));
     }
 }
@@ -118,6 +118,14 @@ fn went_in_beside(
     if facet.kinds[nearest] == EdgeKind::Flat {
         touches.push(facet.face_touch(i, deepest, a.skin, 0));
     }
+}
+
+/// Whether the surface goes on flat to where A is deeper. What is convex is lowest over the triangle on one of the edges that have the
+/// deepest point beyond them, and over a flat one the neighbour has something lower. A point there would be one of the side that comes down
+/// next: what rolls would run into it.
+fn goes_on_lower(facet: &Facet, deepest: Vec3) -> bool {
+    let mut towards = (0..3).filter(|&edge| facet.outside(edge, deepest) > 0.0).peekable();
+    towards.peek().is_some() && towards.all(|edge| facet.kinds[edge] == EdgeKind::Flat)
 }
 
 /// The lowest part of A over a triangle whose plane it goes through by `height`, which is negative, deepest elsewhere: what is
