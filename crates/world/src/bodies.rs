@@ -1,5 +1,6 @@
 //! The bodies' columns: one row a body, row 0 the world itself.
 
+use crate::slender::{is_slender, over_turn};
 use crate::{Body, Kind};
 use rayon::prelude::*;
 use rockfall_math::lanes::Row;
@@ -185,7 +186,23 @@ impl Bodies {
 
     /// Inverse inertia in world axes, locked rotations taken out.
     pub(crate) fn world_inverse_inertia(&self, row: usize) -> Mat3 {
+        self.turned_inverse_inertia(row, self.inverse_moments[row])
+    }
+
+    /// The same over a step of `dt` seconds; see [`crate::slender`].
+    pub(crate) fn inverse_inertia_over(&self, row: usize, line: &Line, dt: f32) -> Mat3 {
         let moments = self.inverse_moments[row];
+        if !is_slender(moments) {
+            return self.turned_inverse_inertia(row, moments);
+        }
+        let frame = rotation::compose(self.rotations[row], self.frames[row]);
+        let turn = rotation::rotate_back(frame, line.angular_velocity()) * dt;
+        let tip = line.velocity().length() * dt / self.radii[row];
+        self.turned_inverse_inertia(row, over_turn(moments, turn.abs() + tip))
+    }
+
+    /// Of a body with these inverse moments.
+    fn turned_inverse_inertia(&self, row: usize, moments: Vec3) -> Mat3 {
         let locks = self.locks[row] >> 3;
         if moments.x == moments.y && moments.y == moments.z && locks == 0 {
             return Mat3::from_diagonal(moments);

@@ -64,7 +64,7 @@ pub(crate) fn bound(
                 _ => Role::Still,
             };
             if kind == Kind::Dynamic && (all || awake) {
-                line.set_inverse_inertia(&bodies.world_inverse_inertia(row));
+                line.set_inverse_inertia(&bodies.inverse_inertia_over(row, line, dt));
             }
             let radius = if bodies.balls[row] { 0.0 } else { bodies.radii[row] };
             let way = way(&bodies.drifts[row], radius);

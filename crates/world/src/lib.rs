@@ -21,6 +21,7 @@ mod seam;
 mod settings;
 mod settle;
 mod sleep;
+mod slender;
 mod slots;
 mod sweep;
 mod touch;

@@ -9,3 +9,4 @@ mod opinion;
 mod pairs;
 mod peers;
 mod smooth;
+mod thin_boxes;
