@@ -9,7 +9,7 @@ use common::{Stage, frames, rubs};
 use rockfall::math::{DVec3, Pose, Quat, Vec2, Vec3, rotation, trig};
 use rockfall::shape::{HeightField, Hull, Mesh};
 use rockfall::{Body, Settings, Shape};
-use std::f32::consts::FRAC_PI_4;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::sync::Arc;
 
 /// How far from where it would be on a plane, metres.
@@ -200,11 +200,11 @@ fn a_height_field_has_no_bumps() {
     check(&[("a field of 0.04 m", field(STRIP, 0.04))], 0.3, &[]);
 }
 
-/// Promise: a cylinder rolls straight on whichever way it goes over the triangles: along their diagonals, and across. But for the heading of exactly a right angle, where it
-/// is 1.4 mm off, the same over triangles of any size.
+/// Promise: a cylinder rolls straight on whichever way it goes over the triangles: along their sides, along their diagonals, and across.
 #[test]
+#[ignore = "known to fail: up to 1.4 mm off after 6 m, where 1 mm is wanted"]
 fn a_cylinder_rolls_straight_in_every_direction() {
-    let angles = [0.3, FRAC_PI_4, 1.3];
+    let angles = [0.3, FRAC_PI_4, 1.3, FRAC_PI_2];
     for (size, cells) in [(0.1, &[0.5, 0.1][..]), (0.3, &[0.04])] {
         let mut rolls = runners(size);
         rolls.retain(|runner| runner.name == "cylinder that rolls");
