@@ -37,8 +37,7 @@ use side::Side;
 /// Points up to this share of the spacing beyond the margin are looked at: the true contact may be nearer than they are.
 const SLACK: f32 = 0.5;
 
-/// Appends the manifolds; one of the shapes is a field. Returns a distance by which the two are apart, or 0: samples know it to a share of their spacing, and what does not touch
-/// is further away than `margin`.
+/// Appends the manifolds; one of the shapes is a field. Returns a distance by which the samples of one are apart from the other shape, or 0.
 pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
     let spacing = [a, b].into_iter().fold(f32::INFINITY, |least, shape| match shape {
         Shape::Field(field) => least.min(field.settings().spacing),
@@ -56,7 +55,7 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         let pair = exact::Two { sides: [&side_a, &side_b], fields: [of_a, of_b], margin, reach, spacing };
         let least = pair.contacts(&mut contacts);
         if contacts.is_empty() {
-            return (least - SLACK * spacing).max(margin);
+            return (least - SLACK * spacing).max(0.0);
         }
         manifolds(&contacts, margin, spacing, BEARING, |_, _| (), out);
         return 0.0;
@@ -64,13 +63,13 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
     let least_a = gather::points_near(&side_a, &side_b, reach, spacing, false, &mut contacts);
     let least_b = gather::points_near(&side_b, &side_a, reach, spacing, true, &mut contacts);
     if contacts.is_empty() {
-        return (least_a.min(least_b) - SLACK * spacing).max(margin);
+        return (least_a.min(least_b) - SLACK * spacing).max(0.0);
     }
     slide::settle(&side_a, &side_b, spacing, &mut contacts);
     let nearest = contacts.iter().fold(f32::INFINITY, |least: f32, c: &Contact| least.min(c.distance));
     contacts.retain(|contact| contact.faces && contact.distance <= margin);
     if contacts.is_empty() {
-        return nearest.max(margin);
+        return nearest.max(0.0);
     }
     // What of the contacts is left is measured by the meshes: where two points of a place say by a field's error different distances, and take turns, bodies are pushed.
     let measure = |contact: &Contact, point: &mut ContactPoint| {

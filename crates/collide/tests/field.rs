@@ -136,7 +136,6 @@ fn any_convex_shape_and_the_field_of_a_box_are_as_far_apart_as_it_and_the_box() 
                 }
                 None => {
                     assert!(right.distance > margin - 2.0 * ERROR, "{} {}", shape.name(), right.distance);
-                    assert!(apart >= margin, "{} {apart}", shape.name());
                     assert!(
                         apart <= right.distance + 2.0 * ERROR,
                         "{} {apart} {}",
@@ -176,7 +175,7 @@ fn two_fields_are_as_far_apart_as_the_shapes_that_they_were_sampled_from() {
             }
             None => {
                 assert!(right > 0.004 - 2.0 * ERROR, "{right}");
-                assert!((0.004..=right + 2.0 * ERROR).contains(&apart), "{apart} {right}");
+                assert!(apart <= right + 2.0 * ERROR, "{apart} {right}");
             }
         }
     }

@@ -76,17 +76,6 @@ pub(crate) fn leash(a: &Shape, b: &Shape, radii: [f32; 2], balls: bool) -> Leash
     Leash { length, lever: 2.0 * radii[0].min(radii[1]), skin }
 }
 
-/// By how much further than they reach contacts of a pair that does not touch are looked for, metres. A field knows only to the spacing of its samples how far away something is; but where there is
-/// no contact the two may come nearer by so much before they are looked at again.
-pub(crate) fn room(a: &Shape, b: &Shape) -> f32 {
-    let of = |shape: &Shape| match shape {
-        Shape::Field(_) => loose(shape),
-        _ => f32::INFINITY,
-    };
-    let room = of(a).min(of(b));
-    if room.is_finite() { room } else { 0.0 }
-}
-
 /// The radius of a shape around its core, if all of its surface is at that distance from a point or a line.
 fn skin(shape: &Shape) -> f32 {
     match shape {

@@ -6,7 +6,7 @@
 
 use crate::ahead::Ahead;
 use crate::bodies::Bodies;
-use crate::recall::{Recall, leash, room};
+use crate::recall::{Recall, leash};
 use crate::recognise::recognise;
 use crate::seam::Ground;
 use crate::touches::{NEW, Run, Touches, rows};
@@ -133,8 +133,6 @@ struct Asked {
     b_in_a: Isometry,
     /// How far apart contacts may be, metres.
     margin: f32,
-    /// How much of that is more than the bodies reach.
-    room: f32,
 }
 
 /// A pair that was looked at.
@@ -191,12 +189,8 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
         let rows = bodies_of(run.keys[pair]);
         let touches = before != NEW && !run.contacts(before).is_empty();
         let ahead = self.ahead(rows, touches);
-        let room = match self.shapes(rows) {
-            [Some(a), Some(b)] if self.reuse && !touches => room(a, b),
-            _ => 0.0,
-        };
-        let margin = bodies.reaches[rows[0]] + bodies.reaches[rows[1]] + room;
-        Asked { pair, before, ahead, b_in_a: ahead.b_in_a(bodies, rows), margin, room }
+        let margin = bodies.reaches[rows[0]] + bodies.reaches[rows[1]];
+        Asked { pair, before, ahead, b_in_a: ahead.b_in_a(bodies, rows), margin }
     }
 
     /// What a pair remembers, `apart` being how far its shapes are from each other, and for how long its contacts may follow the bodies.
@@ -208,7 +202,7 @@ impl<S: Fn(usize, usize) -> Surface + Sync> Look<'_, S> {
             recall.set(count, 0.0);
             return Leash::default();
         }
-        recall.set(count, apart - (asked.margin - asked.room) - asked.ahead.way);
+        recall.set(count, apart - asked.margin - asked.ahead.way);
         let balls = bodies.balls[a] && bodies.balls[b];
         leash(shape_a, shape_b, [bodies.radii[a], bodies.radii[b]], balls)
     }
