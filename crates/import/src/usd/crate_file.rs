@@ -5,7 +5,7 @@
 //! `crateFile.cpp` (pxr/usd/usd, version 0.13): a head with the place of a table of sections, compressed tables of tokens, fields, paths and specs, and values
 //! at offsets.
 
-use super::names::{close, refused};
+use super::names::{braces_close, refused};
 use lz4_flex::block::decompress_into;
 use std::collections::BTreeMap;
 
@@ -136,7 +136,7 @@ impl Crate<'_> {
         let mut tokens: Vec<&[u8]> = text.split(|b| *b == 0).collect();
         // Each ends with a zero, so that nothing is behind the last one.
         tokens.pop();
-        let broken = tokens.iter().enumerate().filter(|(_, token)| !close(token));
+        let broken = tokens.iter().enumerate().filter(|(_, token)| !braces_close(token));
         self.broken =
             broken.map(|(k, token)| (k as u32, String::from_utf8_lossy(token).into_owned())).collect();
         Ok(tokens.into_iter().map(<[u8]>::len).collect())
@@ -237,8 +237,8 @@ impl Crate<'_> {
             32 => self.lists(at, |file, at| file.names(at)),
             34 => self.lists(at, |file, at| file.indices(at, file.paths).map(|_| ())),
             33 => self.lists(at, |file, at| {
-                let named = file.indices(at, file.strings.len() as u64)?;
-                named.into_iter().try_for_each(|string| file.name(file.strings[string as usize]))
+                let strings = file.indices(at, file.strings.len() as u64)?;
+                strings.into_iter().try_for_each(|string| file.named(string))
             }),
             54 => self.lists(at, Self::strings),
             36 | 38 => self.lists(at, |file, at| file.list(at, 4)),
@@ -271,11 +271,7 @@ impl Crate<'_> {
                 let count = self.u64(&mut at)?;
                 self.fits(at, count, 8)?;
                 // Sets of variants, and which of each is selected.
-                (0..2 * count).try_for_each(|_| {
-                    let string = self.u32(&mut at)?;
-                    self.string(string)?;
-                    self.name(self.strings[string as usize])
-                })
+                (0..2 * count).try_for_each(|_| self.named(self.u32(&mut at)?))
             }
             58 => {
                 let mut at = At(at.0);
@@ -305,6 +301,12 @@ impl Crate<'_> {
     fn name(&self, token: u32) -> Check {
         self.below(token, self.tokens)?;
         self.broken.get(&token).map_or(Ok(()), |token| Err(refused(token)))
+    }
+
+    /// The token of a string must be a name.
+    fn named(&self, string: u32) -> Check {
+        self.string(string)?;
+        self.name(self.strings[string as usize])
     }
 
     /// A count, and so many tokens that are names; ends behind them.

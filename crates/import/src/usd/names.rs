@@ -4,7 +4,7 @@
 ///
 /// The library takes the parent of a path that ends with a brace by looking for the one that opened it. Where there is none, the parent of such a path is
 /// the path itself (`Path::parent` of openusd 0.6), and whoever goes up from it never arrives.
-pub(super) fn close(name: &[u8]) -> bool {
+pub(super) fn braces_close(name: &[u8]) -> bool {
     let mut open = false;
     for byte in name {
         match (byte, open) {

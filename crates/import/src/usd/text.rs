@@ -3,7 +3,7 @@
 //! The library calls itself for brackets in brackets, and takes whatever stands between `<` and `>` for a path and any string for a name. What would make it
 //! run out of stack, or go up a path for ever, is found here; what is wrong in other ways, it says itself.
 
-use super::names::{close, refused};
+use super::names::{braces_close, refused};
 use logos::Logos;
 use openusd::usda::token::Token;
 
@@ -27,7 +27,7 @@ pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
         }
         let named = names.next(&token, depth);
         match token {
-            Token::PathRef(path) if !close(path.as_bytes()) => return Err(refused(path)),
+            Token::PathRef(path) if !braces_close(path.as_bytes()) => return Err(refused(path)),
             Token::String(name) if named && name.contains(['{', '}']) => return Err(refused(name)),
             _ => {}
         }
