@@ -19,15 +19,17 @@ mod cluster;
 mod exact;
 mod few;
 mod gather;
+mod passage;
 mod points;
 mod side;
 mod slide;
 
-use crate::{ContactPoint, Manifold};
+use crate::{Cache, ContactPoint, Manifold};
 use cluster::BEARING;
 pub(crate) use cluster::manifolds;
 pub(crate) use exact::crossing;
 pub(crate) use gather::{Contact, FACING, within};
+pub(crate) use passage::passage;
 pub(crate) use side::Near;
 
 use rockfall_math::Isometry;
@@ -38,7 +40,14 @@ use side::Side;
 const SLACK: f32 = 0.5;
 
 /// Appends the manifolds; one of the shapes is a field. Returns a distance by which the samples of one are apart from the other shape, or 0.
-pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+pub(crate) fn collide(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     let spacing = [a, b].into_iter().fold(f32::INFINITY, |least, shape| match shape {
         Shape::Field(field) => least.min(field.settings().spacing),
         _ => least,
@@ -57,7 +66,7 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         if contacts.is_empty() {
             return (least - SLACK * spacing).max(0.0);
         }
-        manifolds(&contacts, margin, spacing, BEARING, |_, _| (), out);
+        manifolds(&contacts, margin, spacing, BEARING, cache, |_, _| (), out);
         return 0.0;
     }
     let least_a = gather::points_near(&side_a, &side_b, reach, spacing, false, &mut contacts);
@@ -79,6 +88,6 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out:
         point.position += 0.5 * (contact.distance - distance) * out;
         point.distance = distance;
     };
-    manifolds(&contacts, margin, spacing, BEARING, measure, out);
+    manifolds(&contacts, margin, spacing, BEARING, cache, measure, out);
     0.0
 }

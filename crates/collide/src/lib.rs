@@ -100,8 +100,8 @@ pub fn collide(
         (Shape::Compound(_), _) | (_, Shape::Compound(_)) => {
             compound::collide(a, b, b_in_a, margin, cache, out)
         }
-        _ if mesh::takes(a, b) => mesh::collide(a, b, b_in_a, margin, out),
-        (Shape::Field(_), _) | (_, Shape::Field(_)) => field::collide(a, b, b_in_a, margin, out),
+        _ if mesh::takes(a, b) => mesh::collide(a, b, b_in_a, margin, cache, out),
+        (Shape::Field(_), _) | (_, Shape::Field(_)) => field::collide(a, b, b_in_a, margin, cache, out),
         (_, Shape::Mesh(mesh)) => convex_mesh(a, mesh, b_in_a, margin, out),
         (_, Shape::HeightField(field)) => convex_height_field(a, field, b_in_a, margin, out),
         (Shape::Mesh(_) | Shape::HeightField(_), _) => {

@@ -1,6 +1,6 @@
 //! What a pair of shapes has to say about its contact.
 
-use rockfall_math::{Isometry, Vec3};
+use rockfall_math::{Isometry, Vec3, hash};
 
 /// Up to four points that share a normal, in the frame of shape A.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +32,11 @@ pub struct Cache {
     pub word: u32,
     /// Of compounds: digests of the names of the points that were kept, a byte each.
     pub kept: u32,
+}
+
+/// A byte of a point's name, not 0.
+pub(crate) fn digest(name: u32) -> u8 {
+    ((hash::mix(u64::from(name)) >> 56) as u8).max(1)
 }
 
 impl Manifold {

@@ -14,10 +14,10 @@
 mod near;
 mod touch;
 
-use crate::Manifold;
 use crate::field::{Contact, Near, manifolds};
 use crate::surface::Surface;
 use crate::surface::facet::corner_pushes;
+use crate::{Cache, Manifold};
 use near::Features;
 use rockfall_math::{Aabb, Isometry, Vec3};
 use rockfall_shape::{Mesh, Shape};
@@ -55,19 +55,34 @@ pub(crate) fn takes(a: &Shape, b: &Shape) -> bool {
 }
 
 /// Appends the manifolds; see [`collide`](crate::collide()). Nothing where no mesh has an inside.
-pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Isometry, margin: f32, out: &mut Vec<Manifold>) -> f32 {
+pub(crate) fn collide(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Isometry,
+    margin: f32,
+    cache: &mut Cache,
+    out: &mut Vec<Manifold>,
+) -> f32 {
     match (a, b) {
-        (Shape::Mesh(one), Shape::Mesh(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
-        (Shape::Mesh(one), Shape::HeightField(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
-        (Shape::HeightField(one), Shape::Mesh(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, out),
-        (Shape::Mesh(one), Shape::Field(two)) => surfaces([a, b], &**one, &**two.mesh(), b_in_a, margin, out),
-        (Shape::Field(one), Shape::Mesh(two)) => surfaces([a, b], &**one.mesh(), &**two, b_in_a, margin, out),
+        (Shape::Mesh(one), Shape::Mesh(two)) => surfaces([a, b], &**one, &**two, b_in_a, margin, cache, out),
+        (Shape::Mesh(one), Shape::HeightField(two)) => {
+            surfaces([a, b], &**one, &**two, b_in_a, margin, cache, out)
+        }
+        (Shape::HeightField(one), Shape::Mesh(two)) => {
+            surfaces([a, b], &**one, &**two, b_in_a, margin, cache, out)
+        }
+        (Shape::Mesh(one), Shape::Field(two)) => {
+            surfaces([a, b], &**one, &**two.mesh(), b_in_a, margin, cache, out)
+        }
+        (Shape::Field(one), Shape::Mesh(two)) => {
+            surfaces([a, b], &**one.mesh(), &**two, b_in_a, margin, cache, out)
+        }
         (Shape::HalfSpace { normal, offset }, Shape::Mesh(mesh)) => {
-            half_space(*normal, *offset, mesh, b_in_a, [margin, scale([a, b])], out)
+            half_space(*normal, *offset, mesh, b_in_a, [margin, scale([a, b])], cache, out)
         }
         (Shape::Mesh(_), Shape::HalfSpace { .. }) => {
             let first = out.len();
-            let apart = collide(b, a, &b_in_a.inverse(), margin, out);
+            let apart = collide(b, a, &b_in_a.inverse(), margin, cache, out);
             out[first..].iter_mut().for_each(|manifold| manifold.swap(b_in_a));
             apart
         }
@@ -87,6 +102,7 @@ fn surfaces<A: Surface, B: Surface>(
     b: &B,
     b_in_a: &Isometry,
     margin: f32,
+    cache: &mut Cache,
     out: &mut Vec<Manifold>,
 ) -> f32 {
     let scale = scale(shapes);
@@ -113,7 +129,7 @@ fn surfaces<A: Surface, B: Surface>(
     } else {
         pair.contacts(&features, &mut contacts);
     }
-    manifolds(&contacts, margin, pair.grain, ALL, |_, _| (), out);
+    manifolds(&contacts, margin, pair.grain, ALL, cache, |_, _| (), out);
     0.0
 }
 
@@ -124,6 +140,7 @@ fn half_space(
     mesh: &Mesh,
     place: &Isometry,
     [margin, scale]: [f32; 2],
+    cache: &mut Cache,
     out: &mut Vec<Manifold>,
 ) -> f32 {
     if mesh.inner_ball.1 == 0.0 {
@@ -144,7 +161,7 @@ fn half_space(
             contacts.push(Contact::new(true, p, Near { distance, normal }, (vertex & NAMES) as u32));
         }
     }
-    manifolds(&contacts, margin, GRAIN * scale, ALL, |_, _| (), out);
+    manifolds(&contacts, margin, GRAIN * scale, ALL, cache, |_, _| (), out);
     0.0
 }
 

@@ -10,13 +10,14 @@
 //! than it has, so that nothing is held where it lies.
 
 use crate::time_of_impact::{Core, Cores, Course, LAYERS, NEAR, Other, SUNK};
-use crate::{Sweep, Toi, compound, time_of_impact};
+use crate::{Motion, Sweep, Toi, compound, field, time_of_impact};
 use rockfall_shape::Shape;
 
 /// When `a`, which is convex, a compound, a field or a closed mesh, has to be stopped so that it does not pass through `b`, which may be of any kind: at the
 /// `target_distance` in metres from what it would go through, or on its way into it; none where it does not.
 ///
-/// For meshes, fields and height fields this is [`time_of_impact`]. Of compounds the first part counts. Of a field or a closed mesh A it is the ball inside that is stopped.
+/// For meshes, height fields, and fields that anything but a field comes to, this is [`time_of_impact`]. Of compounds the first part counts. Two fields are stopped as they are, to their errors and the spacing of their samples; elsewhere it is the ball inside of a
+/// field or a closed mesh A that is stopped.
 ///
 /// None as well where `a` is none of these, a number is not finite, or one body is in the middle of the other already.
 ///
@@ -41,14 +42,18 @@ pub fn passage(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> Opt
     if compound::takes_part(a, b) {
         return compound::first_impact(a, b, sweep, target_distance, passage);
     }
+    if matches!(a, Shape::Field(_)) && !matches!(b, Shape::Mesh(_) | Shape::HeightField(_)) {
+        return field::passage(a, b, sweep, target_distance);
+    }
     if !b.is_convex() {
         return time_of_impact(a, b, sweep, target_distance);
     }
     let thin = a.inner_radius().min(b.inner_radius());
-    if !sweep.is_finite() || target_distance.is_nan() || gone(a, b, sweep) < SUNK * thin {
+    let radii = [a.radius_about(sweep.a.center), b.radius_about(sweep.b.center)];
+    if !sweep.is_finite() || target_distance.is_nan() || gone(radii, sweep) < SUNK * thin {
         return None;
     }
-    if a.is_convex() && stay_apart(a, b, sweep, target_distance) {
+    if a.is_convex() && stay_apart(radii, sweep, target_distance) {
         return None;
     }
     let cores = Cores::new(a, &sweep.a)?;
@@ -86,18 +91,20 @@ fn first<'a, const N: usize>(course: &Course, thin: f32, bodies: [&Less<'a>; N])
     bodies.iter().filter_map(into).min_by(|p, q| p.time.total_cmp(&q.time))
 }
 
-/// How far a point of one body goes relative to the other, at most, metres.
-fn gone(a: &Shape, b: &Shape, sweep: &Sweep) -> f32 {
-    let turned = |shape: &Shape, motion: &crate::Motion| {
+/// How far a point of one body goes relative to the other, at most, metres; `radii` are those of the balls around both, about what they turn around.
+pub(crate) fn gone(radii: [f32; 2], sweep: &Sweep) -> f32 {
+    let turned = |radius: f32, motion: &Motion| {
         let angle = motion.rotation.length();
-        if angle > 0.0 { angle * shape.radius_about(motion.center) } else { 0.0 }
+        if angle > 0.0 { angle * radius } else { 0.0 }
     };
-    (sweep.a.translation - sweep.b.translation).length() + turned(a, &sweep.a) + turned(b, &sweep.b)
+    (sweep.a.translation - sweep.b.translation).length()
+        + turned(radii[0], &sweep.a)
+        + turned(radii[1], &sweep.b)
 }
 
 /// Whether the balls around two bodies never meet, nor come as near as the target distance: most pairs that are near each other pass by. Bodies turn about the middles of
 /// these balls, which so go straight.
-fn stay_apart(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> bool {
+pub(crate) fn stay_apart(radii: [f32; 2], sweep: &Sweep, target_distance: f32) -> bool {
     let [middle_a, middle_b] =
         [&sweep.a, &sweep.b].map(|motion| motion.start.point(motion.center).as_dvec3());
     let apart = middle_a - middle_b;
@@ -105,7 +112,7 @@ fn stay_apart(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> bool
     // Of the time at which they would be nearest.
     let share = (-apart.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     let least = (apart + way * share).length();
-    let sum = a.radius_about(sweep.a.center) + b.radius_about(sweep.b.center) + target_distance.max(0.0);
+    let sum = radii[0] + radii[1] + target_distance.max(0.0);
     // Places are rounded to a share of how far they are from the origin of the frame.
     let rounding = 1e-6 * (middle_a.length() + middle_b.length() + f64::from(sum));
     least > f64::from(sum) + rounding
@@ -114,7 +121,7 @@ fn stay_apart(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32) -> bool
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Motion, distance};
+    use crate::distance;
     use rockfall_math::{Isometry, Mat3, Vec3, rotation};
 
     /// Boxes and capsules that go and turn anyhow: those that are said to stay apart are, at every hundredth of their way; and so are most that do.
@@ -145,7 +152,8 @@ mod tests {
                 distance(a, b, &in_a).expect("two solids").distance
             };
             let apart = (0..=100).all(|k| gap(k) > 0.01);
-            let claims = stay_apart(a, b, &sweep, 0.01);
+            let radii = [a.radius_about(sweep.a.center), b.radius_about(sweep.b.center)];
+            let claims = stay_apart(radii, &sweep, 0.01);
             assert!(apart || !claims, "{sweep:?}");
             (said, were) = (said + u32::from(claims), were + u32::from(apart));
         }

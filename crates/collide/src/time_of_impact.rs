@@ -136,7 +136,7 @@ pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target_distance: f32)
 }
 
 /// Steps of one advance. Each lands on the impact where nothing turns; a turning body takes one to two dozen.
-const MAX_STEPS: usize = 128;
+pub(crate) const MAX_STEPS: usize = 128;
 
 /// Share of A's inner radius by which it may sink into a triangle, or further into it, without an impact: contacts push it
 /// out again.

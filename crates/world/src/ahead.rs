@@ -20,7 +20,7 @@ pub(crate) struct Ahead {
 }
 
 /// Whether a shape may have a hole or a hook by which it hangs.
-fn may_hang(shape: &Shape) -> bool {
+pub(crate) fn may_hang(shape: &Shape) -> bool {
     match shape {
         Shape::Field(_) => true,
         Shape::Mesh(mesh) => mesh.inner_ball.1 > 0.0,

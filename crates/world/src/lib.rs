@@ -10,6 +10,7 @@ mod bound;
 mod error;
 mod events;
 mod index;
+mod inherit;
 mod link;
 mod material;
 mod measure;

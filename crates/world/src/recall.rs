@@ -13,6 +13,10 @@ use rockfall_solve::{Drift, Leash};
 /// Share of the smaller inner radius by which two bodies may move relative to each other while their manifold only follows them.
 const LOOSE: f32 = 5e-3;
 
+/// Of a field, in place of the inner radius, its contact scale; and more where the user allows more: so much of its error, up to that share. Found anew at every tremor, contacts of curved bodies of many triangles are other ones at each.
+const ERRING: f32 = 0.25;
+const LOOSEST: f32 = 0.02;
+
 /// The same for two balls, whose contact follows exactly but for rounding. While it is not looked at it stays, also where the balls have
 /// parted: up to a gap of as much.
 const LOOSE_BALLS: f32 = 0.2;
@@ -97,7 +101,10 @@ fn loose(shape: &Shape) -> f32 {
         | Shape::Cylinder { .. }
         | Shape::Cone { .. }
         | Shape::Ellipsoid { .. } => 0.0,
-        Shape::Field(_) => LOOSE * shape.contact_scale(),
+        Shape::Field(field) => {
+            let scale = shape.contact_scale();
+            (ERRING * field.settings().error).clamp(LOOSE * scale, LOOSEST * scale)
+        }
         Shape::Mesh(mesh) if mesh.inner_ball.1 > 0.0 => LOOSE * shape.contact_scale(),
         // On a flat side, where the rounded ones lie, they are like all others; on an edge they turn by a few milliradians at
         // the most before they are looked at again.

@@ -4,8 +4,9 @@
 //! too far for that are found anew, each point with the impulse of the point of the same name. Pairs of which neither body moves are
 //! left alone. Threads share nothing: each takes whole runs of pairs, and a contact belongs to one pair.
 
-use crate::ahead::Ahead;
+use crate::ahead::{Ahead, may_hang};
 use crate::bodies::Bodies;
+use crate::inherit::{Couple, Heir};
 use crate::recall::{Recall, leash};
 use crate::recognise::recognise;
 use crate::seam::Ground;
@@ -163,6 +164,7 @@ pub(crate) struct Fresh {
     all_lanes: Vec<Lane>,
     locals: Vec<Local>,
     olds: Vec<(Manifold, Memory)>,
+    heirs: Vec<Heir>,
     goes_on: Vec<bool>,
 }
 
@@ -357,6 +359,7 @@ impl Fresh {
         // Of two manifolds that both know an old one the first goes on in its place.
         self.goes_on.clear();
         self.goes_on.resize(lanes.len(), false);
+        self.heirs.clear();
         for (local, ordinal) in self.locals.iter().zip(0..) {
             if !is_finite(local) {
                 changes.broken.push(a);
@@ -369,6 +372,15 @@ impl Fresh {
             let source = recognise(&manifold, &mut memory, &self.olds).filter(|&i| !self.goes_on[i]);
             if let Some(i) = source {
                 self.goes_on[i] = true;
+            }
+            self.heirs.push(Heir { manifold, memory, source, ordinal });
+        }
+        let surface = (look.surface)(a, b);
+        if !self.olds.is_empty() && look.shapes([a, b]).into_iter().flatten().any(may_hang) {
+            Couple::new(bodies, [a, b], offset, surface.friction).inherit(&self.olds, &mut self.heirs);
+        }
+        for &Heir { mut manifold, mut memory, source, ordinal } in &self.heirs {
+            if let Some(i) = source {
                 let (old, known) = &self.olds[i];
                 // A colour goes with the rows that it is taken at, which may be those of copies.
                 (manifold.a, manifold.b, memory.color) = (old.a, old.b, known.color);
@@ -378,7 +390,7 @@ impl Fresh {
             let contact = Found {
                 manifold,
                 memory,
-                surface: (look.surface)(a, b),
+                surface,
                 offset,
                 active: look.is_active(key),
                 ordinal,

@@ -5,9 +5,9 @@
 //!
 //! Of the first manifold that leaves points out, the pair remembers which it kept: chosen anew in every step, points take turns with those that are left out, and what lies on them rattles.
 
+use crate::manifold::digest;
 use crate::reduce::{reduce_keeping, reduce_within, start};
 use crate::{ContactPoint, Manifold};
-use rockfall_math::hash;
 use smallvec::SmallVec;
 
 /// Cosine of 2°: contacts whose normals differ less may share a manifold, as those of a mesh do.
@@ -61,11 +61,6 @@ pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, mut kept: Optio
             None => reduce_within(one.normal, &points, from, tie),
         });
     }
-}
-
-/// A byte of a name, not 0.
-fn digest(name: u32) -> u8 {
-    ((hash::mix(u64::from(name)) >> 56) as u8).max(1)
 }
 
 /// Whether two manifolds push the same way, and all points of the second lie in the plane of the first.

@@ -5,8 +5,9 @@
 
 use super::few::keep_few;
 use super::gather::Contact;
+use crate::manifold::digest;
 use crate::reduce::{first_max, reduce_within, start};
-use crate::{ContactPoint, Manifold};
+use crate::{Cache, ContactPoint, Manifold};
 use rockfall_math::Vec3;
 
 /// Cosine of the largest angle between a contact and the one that leads its manifold, in one place: 25°. There, corners and edges of a surface that bends look many ways, and push one.
@@ -30,15 +31,47 @@ const ON_LINE: f32 = 0.05;
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 2.5e-4;
 
+/// What was kept may hide so much of the depth, as a share of it.
+const HIDDEN: f32 = 0.1;
+
+/// What touches may be so many times as far from what was kept as from what would be chosen.
+const LOOSE: f32 = 1.5;
+
 /// Appends the manifolds of contacts that are no further apart than `margin`. Those that are open by more than the share `bearing` of their span beyond the deepest come in only where the others leave room; `measure` is called for those that are kept.
+/// What `cache` says was kept the last time is kept while it serves as well.
 pub(crate) fn manifolds(
     contacts: &[Contact],
     margin: f32,
     spacing: f32,
     bearing: f32,
+    cache: &mut Cache,
     measure: impl Fn(&Contact, &mut ContactPoint),
     out: &mut Vec<Manifold>,
 ) {
+    let first = out.len();
+    let digests = Digests::of(cache);
+    let old: Vec<Contact> = contacts.iter().filter(|contact| digests.has(contact.name)).copied().collect();
+    choose(contacts, margin, spacing, bearing, out);
+    if !old.is_empty() && old.len() < contacts.len() {
+        let mut kept = Vec::new();
+        choose(&old, margin, spacing, bearing, &mut kept);
+        if serves(contacts, &kept, &out[first..]) {
+            out.truncate(first);
+            out.append(&mut kept);
+        }
+    }
+    *cache = Digests::new(&out[first..]).cache();
+    for manifold in &mut out[first..] {
+        for point in &mut manifold.points[..manifold.count as usize] {
+            if let Some(contact) = contacts.iter().find(|contact| contact.name == point.feature) {
+                measure(contact, point);
+            }
+        }
+    }
+}
+
+/// Appends the manifolds that contacts make if nothing is known of the last step.
+fn choose(contacts: &[Contact], margin: f32, spacing: f32, bearing: f32, out: &mut Vec<Manifold>) {
     let mut order: Vec<&Contact> = contacts.iter().collect();
     order.sort_by_key(|contact| (contact.distance > 0.0, contact.name));
     let mut clusters: Vec<Vec<&Contact>> = Vec::new();
@@ -57,16 +90,56 @@ pub(crate) fn manifolds(
         }
     }
     let first = out.len();
-    out.extend(clusters.iter().map(|cluster| {
-        let mut manifold = manifold(cluster, margin, bearing);
-        for point in &mut manifold.points[..manifold.count as usize] {
-            if let Some(contact) = cluster.iter().find(|contact| contact.name == point.feature) {
-                measure(contact, point);
-            }
-        }
-        manifold
-    }));
+    out.extend(clusters.iter().map(|cluster| manifold(cluster, margin, bearing)));
     keep_few(out, first);
+}
+
+/// Whether the points of `kept` hold a body as well as those of `fresh`, which were chosen anew from `contacts`: they are nearly as deep, and nothing that touches is much further from all of them.
+fn serves(contacts: &[Contact], kept: &[Manifold], fresh: &[Manifold]) -> bool {
+    let touching = || contacts.iter().filter(|contact| contact.distance <= 0.0);
+    let Some(from) = touching().next() else { return false };
+    let span = touching().fold(0.0_f32, |span, c| span.max(c.position.distance(from.position)));
+    let deepest = touching().fold(0.0_f32, |least, c| least.min(c.distance));
+    let shown = kept.iter().map(Manifold::deepest).fold(f32::INFINITY, f32::min);
+    if shown > deepest + (EQUAL * span).max(HIDDEN * -deepest) {
+        return false;
+    }
+    let apart = |one: &Contact, two: &Contact| {
+        one.position.distance_squared(two.position) + span * span * one.normal.distance_squared(two.normal)
+    };
+    // How far what touches is from a choice, at most, squared.
+    let gap = |choice: &[Manifold]| {
+        let is_in = |c: &&Contact| choice.iter().any(|m| m.points().iter().any(|p| p.feature == c.name));
+        let chosen: Vec<&Contact> = contacts.iter().filter(is_in).collect();
+        let near = |c: &Contact| chosen.iter().fold(f32::INFINITY, |near, other| near.min(apart(c, other)));
+        touching().fold(0.0_f32, |gap, c| gap.max(near(c)))
+    };
+    gap(kept) <= (LOOSE * LOOSE * gap(fresh)).max(EQUAL * EQUAL * span * span)
+}
+
+/// Digests of the names of points, a byte each, 0 for none.
+struct Digests([u8; 8]);
+
+impl Digests {
+    fn of(cache: &Cache) -> Self {
+        Digests((u64::from(cache.word) | u64::from(cache.kept) << 32).to_le_bytes())
+    }
+
+    fn new(manifolds: &[Manifold]) -> Self {
+        let mut digests = [0; 8];
+        let names = manifolds.iter().flat_map(|m| m.points().iter().map(|p| p.feature));
+        digests.iter_mut().zip(names).for_each(|(place, name)| *place = digest(name));
+        Digests(digests)
+    }
+
+    fn cache(&self) -> Cache {
+        let all = u64::from_le_bytes(self.0);
+        Cache { word: all as u32, kept: (all >> 32) as u32 }
+    }
+
+    fn has(&self, name: u32) -> bool {
+        self.0.contains(&digest(name))
+    }
 }
 
 fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
@@ -82,7 +155,9 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let first = cluster[0].position;
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let point = |c: &&Contact| ContactPoint { position: c.position, distance: c.distance, feature: c.name };
-    let bears = |c: &&&Contact| c.distance - deepest <= bearing * span;
+    // What overlaps bears as well: were a ring that is pressed into a floor held by the deepest part of its tube alone, it would swing from one side to the other.
+    let beyond = (bearing * span).max(-deepest);
+    let bears = |c: &&&Contact| c.distance - deepest <= beyond;
     let loaded: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
     let mut manifold = ends(reduce_within(normal, &loaded, start(normal), EQUAL * span));
     // Room that is left goes to those that will bear when the body tips: on flat ground, where they look exactly the same way.
