@@ -64,7 +64,7 @@ pub(crate) fn collide(
         let pair = exact::Two { sides: [&side_a, &side_b], fields: [of_a, of_b], margin, reach, spacing };
         let least = pair.contacts(&mut contacts);
         if contacts.is_empty() {
-            return (least - SLACK * spacing).max(0.0);
+            return pair.apart(least);
         }
         manifolds(&contacts, margin, spacing, BEARING, cache, |_, _| (), out);
         return 0.0;

@@ -36,17 +36,25 @@ fn hangs_on(shapes: [&Shape; 2]) -> bool {
     is_mesh(a) && is_peg(b) || is_mesh(b) && is_peg(a)
 }
 
+/// No point of one of two bodies goes faster than that, seen from the other, m/s.
+pub(crate) fn passing_speed(bodies: &Bodies, [a, b]: [usize; 2]) -> f32 {
+    let turn = |row: usize| {
+        let turn = bodies.lines[row].angular_velocity().length();
+        // A plane is infinitely large, and does not turn.
+        if turn > 0.0 { turn * bodies.radii[row] } else { 0.0 }
+    };
+    (bodies.lines[b].velocity() - bodies.lines[a].velocity()).length() + turn(a) + turn(b)
+}
+
 impl Ahead {
     /// Of two bodies whose contacts are found anew in a step of `dt` seconds.
     pub(crate) fn new(bodies: &Bodies, [a, b]: [usize; 2], shapes: [&Shape; 2], dt: f32) -> Self {
         if !shapes.iter().all(|shape| may_hang(shape)) && !hangs_on(shapes) {
             return Ahead::default();
         }
-        let turn = |row: usize| bodies.lines[row].angular_velocity().length() * bodies.radii[row];
-        let speed = (bodies.lines[b].velocity() - bodies.lines[a].velocity()).length() + turn(a) + turn(b);
+        let speed = passing_speed(bodies, [a, b]);
         let scale = shapes.iter().map(|shape| shape.contact_scale()).fold(f32::INFINITY, f32::min);
-        // A plane turns by nothing, and is infinitely large.
-        if speed.is_nan() || speed <= 0.0 {
+        if speed <= 0.0 {
             return Ahead::default();
         }
         let time = (0.5 * dt).min(FARTHEST * scale / speed);

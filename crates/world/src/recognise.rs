@@ -8,29 +8,31 @@
 //! Letting points go from one manifold of a pair to another that pushes the same way, none taken twice, was tried: it let a bowl of hulls rock on, and rings that lie in each other.
 
 use rockfall_solve::{Manifold, Memory};
+use std::mem::take;
 
 /// How far a point may have gone in a step to be taken for the same under a new name, as a share of its arm.
 const SAME: f32 = 0.05;
 
-/// Gives a new manifold, whose points are named, what is remembered of the old ones. Returns which of them it is: the first that has a namesake, or the only one,
+/// Gives a new manifold, whose points are named, what is remembered of the old ones, and takes their impulses away from those. Returns which of them it is: the first that has a namesake, or the only one,
 /// which goes on even where all of its points have new names, as that of a convex pair may.
 pub(crate) fn recognise(
     manifold: &Manifold,
     memory: &mut Memory,
-    olds: &[(Manifold, Memory)],
+    olds: &mut [(Manifold, Memory)],
 ) -> Option<usize> {
     let count = manifold.count as usize;
-    let namesake = |feature: u32, old: usize| {
-        let (manifold, memory) = &olds[old];
+    let namesake = |feature: u32, (manifold, memory): &(Manifold, Memory)| {
         memory.features[..manifold.count as usize].iter().position(|&f| f == feature)
     };
-    let knows = |old: &usize| memory.features[..count].iter().any(|&f| namesake(f, *old).is_some());
-    let source = (0..olds.len()).find(knows).or((olds.len() == 1).then_some(0))?;
-    let (before, old) = &olds[source];
+    let knows =
+        |old: &(Manifold, Memory)| memory.features[..count].iter().any(|&f| namesake(f, old).is_some());
+    let source = olds.iter().position(knows).or((olds.len() == 1).then_some(0))?;
+    let namesakes = memory.features.map(|feature| namesake(feature, &olds[source]));
+    let (before, old) = &mut olds[source];
     let (mut free_old, mut free_new) = ([true; 4], [true; 4]);
     for (p, free) in free_new.iter_mut().enumerate().take(count) {
-        if let Some(q) = namesake(memory.features[p], source) {
-            memory.normals[p] = old.normals[q];
+        if let Some(q) = namesakes[p] {
+            memory.normals[p] = take(&mut old.normals[q]);
             (free_old[q], *free) = (false, false);
         }
     }
@@ -44,7 +46,7 @@ pub(crate) fn recognise(
             }
         }
         if let Some(q) = nearest.1 {
-            memory.normals[p] = old.normals[q];
+            memory.normals[p] = take(&mut old.normals[q]);
             free_old[q] = false;
         }
     }
@@ -73,18 +75,19 @@ mod tests {
     fn points_keep_their_impulse_by_name_and_else_by_nearness() {
         let old = known(&[(0.0, 1, 1.0), (1.0, 2, 2.0), (2.0, 3, 4.0)]);
         let (manifold, mut memory) = known(&[(0.0, 3, 0.0), (0.99, 9, 0.0), (5.0, 8, 0.0)]);
-        assert_eq!(recognise(&manifold, &mut memory, &[old]), Some(0));
+        assert_eq!(recognise(&manifold, &mut memory, &mut [old]), Some(0));
         assert_eq!(memory.normals, [4.0, 2.0, 0.0, 0.0]);
         assert_eq!(memory.friction, 7.0 * Vec3::X);
     }
 
     #[test]
     fn of_several_manifolds_the_one_with_a_namesake_goes_on() {
-        let olds = [known(&[(0.0, 1, 1.0)]), known(&[(0.0, 2, 2.0)])];
-        let of = |name: u32| {
+        let mut olds = [known(&[(0.0, 1, 1.0)]), known(&[(0.0, 2, 2.0)])];
+        let mut of = |name: u32| {
             let (manifold, mut memory) = known(&[(0.0, name, 0.0)]);
-            (recognise(&manifold, &mut memory, &olds), memory.normals[0])
+            (recognise(&manifold, &mut memory, &mut olds), memory.normals[0])
         };
-        assert_eq!([of(2), of(7)], [(Some(1), 2.0), (None, 0.0)]);
+        // What was taken is not there a second time.
+        assert_eq!([of(2), of(7), of(2)], [(Some(1), 2.0), (None, 0.0), (Some(1), 0.0)]);
     }
 }

@@ -4,9 +4,9 @@
 //! too far for that are found anew, each point with the impulse of the point of the same name. Pairs of which neither body moves are
 //! left alone. Threads share nothing: each takes whole runs of pairs, and a contact belongs to one pair.
 
-use crate::ahead::{Ahead, may_hang};
+use crate::ahead::Ahead;
 use crate::bodies::Bodies;
-use crate::inherit::{Couple, Heir};
+use crate::inherit::{Couple, Heir, portion};
 use crate::recall::{Recall, leash};
 use crate::recognise::recognise;
 use crate::seam::Ground;
@@ -369,15 +369,19 @@ impl Fresh {
             let Manifold { count, normal, arms, distances, .. } = &mut manifold;
             let (arms, distances) = (&arms[..*count as usize], &mut distances[..*count as usize]);
             ahead.take_back(bodies, [a, b], offset, *normal, arms, distances);
-            let source = recognise(&manifold, &mut memory, &self.olds).filter(|&i| !self.goes_on[i]);
+            let source = recognise(&manifold, &mut memory, &mut self.olds).filter(|&i| !self.goes_on[i]);
             if let Some(i) = source {
                 self.goes_on[i] = true;
             }
             self.heirs.push(Heir { manifold, memory, source, ordinal });
         }
         let surface = (look.surface)(a, b);
-        if !self.olds.is_empty() && look.shapes([a, b]).into_iter().flatten().any(may_hang) {
-            Couple::new(bodies, [a, b], offset, surface.friction).inherit(&self.olds, &mut self.heirs);
+        if let ([Some(one), Some(other)], false) = (look.shapes([a, b]), self.olds.is_empty()) {
+            let portion = portion(bodies, [a, b], [one, other], look.dt);
+            if portion > 0.0 {
+                let couple = Couple::new(bodies, [a, b], offset, surface.friction);
+                couple.inherit(portion, &self.olds, &mut self.heirs);
+            }
         }
         for &Heir { mut manifold, mut memory, source, ordinal } in &self.heirs {
             if let Some(i) = source {

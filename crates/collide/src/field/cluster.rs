@@ -155,14 +155,13 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let first = cluster[0].position;
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let point = |c: &&Contact| ContactPoint { position: c.position, distance: c.distance, feature: c.name };
-    // What overlaps bears as well: were a ring that is pressed into a floor held by the deepest part of its tube alone, it would swing from one side to the other.
-    let beyond = (bearing * span).max(-deepest);
-    let bears = |c: &&&Contact| c.distance - deepest <= beyond;
+    let is_flat = |c: &Contact| c.normal.dot(normal) >= FLAT;
+    // What overlaps on flat ground bears as well: were a ring that is pressed into a floor held by the deepest part of its tube alone, it would swing from one side to the other.
+    let bears = |c: &&&Contact| c.distance - deepest <= bearing * span || (c.distance <= 0.0 && is_flat(c));
     let loaded: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
     let mut manifold = ends(reduce_within(normal, &loaded, start(normal), EQUAL * span));
     // Room that is left goes to those that will bear when the body tips: on flat ground, where they look exactly the same way.
-    let mut open: Vec<ContactPoint> =
-        cluster.iter().filter(|c| !bears(c) && c.normal.dot(normal) >= FLAT).map(point).collect();
+    let mut open: Vec<ContactPoint> = cluster.iter().filter(|c| !bears(c) && is_flat(c)).map(point).collect();
     while manifold.count < 4 && !open.is_empty() {
         let apart = |p: &ContactPoint| {
             let to = |q: &ContactPoint| q.position.distance_squared(p.position);

@@ -6,6 +6,7 @@
 //!
 //! A corner counts where the way to the other body lies within the normals of the sides around it, two edges where their common normal lies within those of both: there, nothing beside them is nearer.
 
+use super::SLACK;
 use super::gather::{Contact, FACING, NEARLY, WORTH, within};
 use super::side::{Near, Side};
 use rockfall_math::{Vec3, hash, trig};
@@ -16,6 +17,9 @@ const PARALLEL: f32 = 0.03;
 
 /// Samples nearer than this share of their spacing tell of what is touched.
 const NEAR: f32 = 0.5;
+
+/// Between samples of bodies that are further apart a surface may be nearer by this share of the spacing.
+const BETWEEN: f32 = 0.25;
 
 /// The most by which edges that cross overlap, in spacings of the samples.
 const OVERLAP: f32 = 1.25;
@@ -86,6 +90,20 @@ impl Two<'_, '_> {
         least
     }
 
+    /// How far apart the two surely are, metres, which have no contact, and of whose samples none is nearer than `least`. Two bodies that rest beside each other would be looked at in every step
+    /// if nothing were known but that they don't touch.
+    pub(super) fn apart(&self, least: f32) -> f32 {
+        let by_samples = least - SLACK * self.spacing;
+        if by_samples > self.margin {
+            return by_samples;
+        }
+        // Where samples are near, corners and edges tell; everywhere else they are as far away as that.
+        let elsewhere = (least.max(NEAR * self.spacing) - BETWEEN * self.spacing).max(0.0);
+        let mut further = Vec::new();
+        Two { margin: self.margin.max(elsewhere), ..*self }.contacts(&mut further);
+        further.iter().fold(elsewhere, |nearest, contact| nearest.min(contact.distance)).max(0.0)
+    }
+
     /// Body number `k`, and the other one.
     fn of(&self, k: usize) -> (&Side<'_>, &Field, &Side<'_>, &Field) {
         (self.sides[k], self.fields[k], self.sides[1 - k], self.fields[1 - k])
@@ -97,6 +115,7 @@ impl Two<'_, '_> {
         let (own, field, other, _) = self.of(k);
         let mut least = f32::INFINITY;
         let mut near: Vec<(usize, f32)> = Vec::new();
+        let mut beyond = f32::INFINITY;
         let points = field.samples().points();
         field.samples().search(
             |center, radius| {
@@ -111,11 +130,12 @@ impl Two<'_, '_> {
                 }
                 true
             },
-            |i| {
-                let distance = other.distance(own.place.point(points[i].position), self.reach);
-                near.extend(distance.map(|distance| (i, distance)));
+            |i| match other.distance_below(own.place.point(points[i].position), self.reach) {
+                Ok(distance) => near.push((i, distance)),
+                Err(surely) => beyond = beyond.min(surely),
             },
         );
+        least = least.min(beyond);
         for ball in near.chunk_by(|(i, _), (j, _)| i / SAMPLES_IN_A_BALL == j / SAMPLES_IN_A_BALL) {
             let touching = |&&(_, distance): &&(usize, f32)| distance <= NEAR * self.spacing;
             ball.iter().filter(touching).for_each(|&(i, _)| features.extend(field.features().near(i)));
@@ -150,7 +170,7 @@ impl Two<'_, '_> {
     fn corner(&self, k: usize, vertex: u32, out: &mut Vec<Contact>, hidden: &mut Option<Contact>) {
         let (own, field, other, beyond) = self.of(k);
         let p = own.place.point(field.mesh().vertices[vertex as usize]);
-        let Some(about) = other.distance(p, f32::INFINITY) else { return };
+        let Ok(about) = other.distance_below(p, self.margin) else { return };
         if about > self.margin + beyond.bound(about) {
             return;
         }

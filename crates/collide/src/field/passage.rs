@@ -89,7 +89,7 @@ impl Course<'_> {
     fn gap(&self, time: f32, guess: Gap) -> Gap {
         let [a, b] = [self.sweep.a.at(time), self.sweep.b.at(time)];
         let to_other = [b.inverse().then_after(&a), a.inverse().then_after(&b)];
-        let first = self.distance(guess.side, guess.sample, &to_other[guess.side]);
+        let first = self.distance(guess.side, guess.sample, &to_other[guess.side], f32::INFINITY);
         let least = Cell::new(Gap { distance: first, ..guess });
         for (side, to_other) in to_other.iter().enumerate() {
             let (Some(own), other) = (self.sides[side].field(), &self.sides[1 - side]) else { continue };
@@ -98,7 +98,7 @@ impl Course<'_> {
                 surely.is_some_and(|surely| surely - radius < least.get().distance)
             };
             own.samples().search(enter, |sample| {
-                let distance = self.distance(side, sample, to_other);
+                let distance = self.distance(side, sample, to_other, least.get().distance);
                 if distance < least.get().distance {
                     least.set(Gap { distance, side, sample });
                 }
@@ -107,12 +107,12 @@ impl Course<'_> {
         least.get()
     }
 
-    /// See [`Gap::distance`].
-    fn distance(&self, side: usize, sample: usize, to_other: &Isometry) -> f32 {
+    /// See [`Gap::distance`]; infinite where that is surely more than `limit`.
+    fn distance(&self, side: usize, sample: usize, to_other: &Isometry, limit: f32) -> f32 {
         let Some(own) = self.sides[side].field() else { return f32::INFINITY };
         let other = &self.sides[1 - side];
         let p = to_other.point(own.samples().points()[sample].position);
-        let distance = other.distance(p, f32::INFINITY).unwrap_or(f32::INFINITY);
+        let Ok(distance) = other.distance_below(p, limit) else { return f32::INFINITY };
         match other.field() {
             Some(field) if distance > 0.0 => (distance - field.bound(distance)).max(0.0),
             _ => distance,

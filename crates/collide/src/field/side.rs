@@ -58,6 +58,15 @@ impl<'a> Side<'a> {
         }
     }
 
+    /// Signed distance alone; or, as the error, a distance that the point surely has, if that is more than `limit`, which only fields tell apart.
+    #[inline]
+    pub(super) fn distance_below(&self, p: Vec3, limit: f32) -> Result<f32, f32> {
+        match self.shape {
+            Shape::Field(field) => field.distance_below(self.place.inverse_point(p), limit),
+            _ => self.nearest(p, limit).map(|near| near.distance).ok_or(limit),
+        }
+    }
+
     /// The point of the surface nearest to a point that is at most `limit` metres off it, exactly.
     pub(super) fn foot(&self, p: Vec3, limit: f32) -> Option<Foot> {
         let Some(field) = self.field() else {
