@@ -141,6 +141,33 @@ fn fastest(stage: &Stage, ids: &[BodyId], radius: f32) -> f32 {
     })
 }
 
+/// Promise: rings that are shot at each other, turned and turning anyhow, are stopped at each other: none hangs in the other after any step, however fast they come.
+#[test]
+fn rings_that_hit_each_other_do_not_link() {
+    let mut numbers = Numbers(7);
+    let mut hits = 0;
+    for shot in 0..60 {
+        let speed = [2.0, 8.0, 30.0][shot % 3];
+        let mut stage = Stage::new(Settings { gravity: Vec3::ZERO, ..settings() }, rubs(0.4, 0.0));
+        let link = stage.shape(link());
+        let ids = [-1.0_f32, 1.0].map(|side| {
+            let aside = 0.02 * numbers.vector();
+            let pose =
+                Pose { position: DVec3 { x: 0.3 * f64::from(side), ..aside }, rotation: numbers.rotation() };
+            let velocity = Vec3::X * -side * speed;
+            let angular_velocity = 40.0 * numbers.vector().as_vec3();
+            stage.put(Body { velocity, angular_velocity, ..stage.body(link, pose) })
+        });
+        let start = stage.velocity(ids[0]).0;
+        for step in 0..30 {
+            stage.steps(1);
+            assert!(!is_linked(&stage, ids[0], ids[1]), "shot {shot} at {speed} m/s, after {step} steps");
+        }
+        hits += u32::from(stage.velocity(ids[0]).0.distance(start) > 0.1 * speed);
+    }
+    assert!(hits > 45, "{hits} of 60 hit");
+}
+
 /// Promise: a chain of ten that falls into its links by 4 mm each comes to rest, and is as long as its links are; its energy does not grow.
 #[test]
 fn a_chain_hangs() {

@@ -167,17 +167,10 @@ fn a_mesh_box_slides_as_friction_says() {
     }
 }
 
-/// Promise: mesh boxes stand on each other, on primitive boxes and below them, exactly aligned.
+/// Promise: mesh boxes stand on each other, on primitive boxes and below them, exactly aligned, and by 30 µm and a centimetre beside each other.
 #[test]
 fn mesh_boxes_stack() {
-    assert_stack(0.0, 1e-4);
-}
-
-/// The same by 30 µm and by a centimetre beside each other.
-#[test]
-#[ignore = "known to fail: they tremble at 6 mm/s and creep by 0.2 mm a second"]
-fn mesh_boxes_beside_each_other_stack() {
-    [3e-5, 0.01].into_iter().for_each(|shift| assert_stack(shift, 1e-4));
+    [0.0, 3e-5, 0.01].into_iter().for_each(|shift| assert_stack(shift, 1e-4));
 }
 
 /// Four boxes on the ground, every second one `shift` beside the others, which go no further than `creep` in five seconds; metres.
