@@ -1,6 +1,8 @@
 //! Contacts of signed distance fields, against the exact shapes that they were sampled from.
 
-use rockfall_collide::{Cache, Manifold, collide, distance, nearest_point, penetration};
+use rockfall_collide::{
+    Cache, Manifold, Motion, Sweep, collide, distance, nearest_point, passage, penetration,
+};
 use rockfall_math::{Isometry, Mat3, Vec2, Vec3, hash, rotation, trig};
 use rockfall_shape::{Field, FieldSettings, Frustum, HeightField, Hull, Mesh, Shape};
 use std::f32::consts::TAU;
@@ -347,4 +349,69 @@ fn penetrations_and_points_take_the_mesh_itself() {
     // A ball that is wholly inside touches no triangle.
     assert!(penetration(&ball, &sampled, &at(0.0)).is_some());
     assert_eq!(Frustum::of(&sampled), None);
+}
+
+/// Promise: rings that fly and turn are stopped at rings, boxes, balls and planes before any corner of them has sunk in by much more than a quarter of the inner radius; where nothing stops them nothing sinks
+/// in deeper all the way; and they are stopped where they touch, or, from near by, where they sink in. Distances are those of the corners of the meshes from the exact shapes.
+#[test]
+fn rings_are_stopped_where_they_would_pass_through() {
+    let (mesh, tube) = (Arc::new(torus(0.1, 0.03)), 0.03);
+    let ring = Shape::Field(Arc::new(
+        Field::new(mesh.clone(), FieldSettings::with_error(ERROR)).expect("a closed mesh"),
+    ));
+    let others = [
+        ring.clone(),
+        Shape::Box { half: Vec3::new(0.1, 0.05, 0.2) },
+        Shape::Sphere { radius: 0.06 },
+        Shape::HalfSpace { normal: Vec3::Z, offset: -0.1 },
+    ];
+    let mut random = Random(3);
+    let [mut stops, mut passes] = [0; 2];
+    for round in 0..120 {
+        let other = &others[round % others.len()];
+        let is_plane = matches!(other, Shape::HalfSpace { .. });
+        let from = 0.4 * random.direction();
+        let from = if is_plane { Vec3 { z: from.z.abs() + 0.05, ..from } } else { from };
+        let motion = |start: Vec3, rotation: Mat3, way: Vec3, turn: Vec3| Motion {
+            start: Isometry { rotation, translation: start },
+            center: Vec3::ZERO,
+            translation: way,
+            rotation: turn,
+        };
+        let aim = 0.15 * random.vector() - from;
+        let a = motion(from, random.rotation(), random.between(0.6, 2.0) * aim, 3.0 * random.vector());
+        let b = match is_plane {
+            true => Motion::at_rest(Isometry::IDENTITY),
+            false => motion(Vec3::ZERO, random.rotation(), 0.1 * random.vector(), 2.0 * random.vector()),
+        };
+        let sweep = Sweep { a, b };
+        // The least distance of a corner of one from the other, of every third.
+        let gap = |time: f32| {
+            let places = [sweep.a.at(time), sweep.b.at(time)];
+            let least = |from: Isometry, to: Isometry, other: &Shape| {
+                let corners =
+                    mesh.vertices.iter().step_by(3).map(|v| to.inverse_point(from.point(*v)).as_dvec3());
+                let distance = |p| nearest_point(other, p, f32::INFINITY).expect("a solid").distance;
+                corners.map(distance).fold(f32::INFINITY, f32::min)
+            };
+            let of_a = least(places[0], places[1], other);
+            if matches!(other, Shape::Field(_)) { of_a.min(least(places[1], places[0], &ring)) } else { of_a }
+        };
+        let toi = passage(&ring, other, &sweep, 1e-3);
+        let end = toi.map_or(1.0, |toi| toi.time);
+        let deepest = (0..=16).map(|k| gap(end * k as f32 / 16.0)).fold(f32::INFINITY, f32::min);
+        let name = other.name();
+        assert!(deepest > -(0.25 * tube + 2.0 * ERROR), "round {round}, {name}: {deepest} before {toi:?}");
+        match toi {
+            Some(toi) => {
+                // A field that says d is sure of d less its error and a third of the sum of both.
+                let there = gap(toi.time);
+                assert!(there < 5.0 * ERROR, "round {round}, {name}: {there} apart at {toi:?}");
+                assert!((toi.normal.length() - 1.0).abs() < 1e-5);
+                stops += 1;
+            }
+            None => passes += 1,
+        }
+    }
+    assert!(stops > 50 && passes > 15, "{stops} stopped, {passes} passed");
 }
