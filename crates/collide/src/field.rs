@@ -19,6 +19,7 @@ mod cluster;
 mod exact;
 mod few;
 mod gather;
+mod keep;
 mod passage;
 mod points;
 mod side;

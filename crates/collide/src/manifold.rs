@@ -24,13 +24,13 @@ pub struct ContactPoint {
     pub feature: u32,
 }
 
-/// What a pair function remembers from one step to the next: a guess that makes it faster, and of two boxes, also as parts of compounds, which face and corners
-/// made the last manifold. Those make the next one too while others are no better, so that a contact at rest does not change its mind.
+/// What a pair function remembers from one step to the next: a guess that makes it faster; of two boxes, also as parts of compounds, which face and corners
+/// made the last manifold; of fields and meshes which points were kept. Those make the next one too while others are no better, so that a contact at rest does not change its mind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cache {
     /// Opaque to everyone but the pair function that wrote it.
     pub word: u32,
-    /// Of compounds: digests of the names of the points that were kept, a byte each.
+    /// Of compounds, fields and meshes: digests of the names of the points that were kept, a byte each.
     pub kept: u32,
 }
 

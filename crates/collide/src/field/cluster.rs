@@ -1,11 +1,11 @@
 //! Manifolds of contacts that look the same way.
 //!
 //! A manifold holds a body by four points that share a normal; so contacts are sorted by normal alone: of those that look the same way, the four that span the largest area
-//! carry as much as all, wherever they are; and of many manifolds only so many points are kept as a pair needs (`few`). Points that touch come first, by name, so that the same ones lead from step to step.
+//! carry as much as all, wherever they are; and of many manifolds only so many points are kept as a pair needs (`few`), those of the last step while they serve (`keep`). Points that touch come first, by name, so that the same ones lead from step to step.
 
 use super::few::keep_few;
 use super::gather::Contact;
-use crate::manifold::digest;
+use super::keep::{Digests, serves};
 use crate::reduce::{first_max, reduce_within, start};
 use crate::{Cache, ContactPoint, Manifold};
 use rockfall_math::Vec3;
@@ -29,13 +29,7 @@ const FLAT: f32 = 0.999_4;
 const ON_LINE: f32 = 0.05;
 
 /// Depths that differ by less than this share of the span are equal.
-const EQUAL: f32 = 2.5e-4;
-
-/// What was kept may hide so much of the depth, as a share of it.
-const HIDDEN: f32 = 0.1;
-
-/// What touches may be so many times as far from what was kept as from what would be chosen.
-const LOOSE: f32 = 1.5;
+pub(super) const EQUAL: f32 = 2.5e-4;
 
 /// Appends the manifolds of contacts that are no further apart than `margin`. Those that are open by more than the share `bearing` of their span beyond the deepest come in only where the others leave room; `measure` is called for those that are kept.
 /// What `cache` says was kept the last time is kept while it serves as well.
@@ -92,54 +86,6 @@ fn choose(contacts: &[Contact], margin: f32, spacing: f32, bearing: f32, out: &m
     let first = out.len();
     out.extend(clusters.iter().map(|cluster| manifold(cluster, margin, bearing)));
     keep_few(out, first);
-}
-
-/// Whether the points of `kept` hold a body as well as those of `fresh`, which were chosen anew from `contacts`: they are nearly as deep, and nothing that touches is much further from all of them.
-fn serves(contacts: &[Contact], kept: &[Manifold], fresh: &[Manifold]) -> bool {
-    let touching = || contacts.iter().filter(|contact| contact.distance <= 0.0);
-    let Some(from) = touching().next() else { return false };
-    let span = touching().fold(0.0_f32, |span, c| span.max(c.position.distance(from.position)));
-    let deepest = touching().fold(0.0_f32, |least, c| least.min(c.distance));
-    let shown = kept.iter().map(Manifold::deepest).fold(f32::INFINITY, f32::min);
-    if shown > deepest + (EQUAL * span).max(HIDDEN * -deepest) {
-        return false;
-    }
-    let apart = |one: &Contact, two: &Contact| {
-        one.position.distance_squared(two.position) + span * span * one.normal.distance_squared(two.normal)
-    };
-    // How far what touches is from a choice, at most, squared.
-    let gap = |choice: &[Manifold]| {
-        let is_in = |c: &&Contact| choice.iter().any(|m| m.points().iter().any(|p| p.feature == c.name));
-        let chosen: Vec<&Contact> = contacts.iter().filter(is_in).collect();
-        let near = |c: &Contact| chosen.iter().fold(f32::INFINITY, |near, other| near.min(apart(c, other)));
-        touching().fold(0.0_f32, |gap, c| gap.max(near(c)))
-    };
-    gap(kept) <= (LOOSE * LOOSE * gap(fresh)).max(EQUAL * EQUAL * span * span)
-}
-
-/// Digests of the names of points, a byte each, 0 for none.
-struct Digests([u8; 8]);
-
-impl Digests {
-    fn of(cache: &Cache) -> Self {
-        Digests((u64::from(cache.word) | u64::from(cache.kept) << 32).to_le_bytes())
-    }
-
-    fn new(manifolds: &[Manifold]) -> Self {
-        let mut digests = [0; 8];
-        let names = manifolds.iter().flat_map(|m| m.points().iter().map(|p| p.feature));
-        digests.iter_mut().zip(names).for_each(|(place, name)| *place = digest(name));
-        Digests(digests)
-    }
-
-    fn cache(&self) -> Cache {
-        let all = u64::from_le_bytes(self.0);
-        Cache { word: all as u32, kept: (all >> 32) as u32 }
-    }
-
-    fn has(&self, name: u32) -> bool {
-        self.0.contains(&digest(name))
-    }
 }
 
 fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {

@@ -10,7 +10,7 @@ use crate::reduce::start;
 use rockfall_math::Vec3;
 
 /// So many points hold a pair.
-const MOST: usize = 8;
+pub(super) const MOST: usize = 8;
 
 /// Depths that differ by less than this share of the span are equal.
 const EQUAL: f32 = 1e-3;
