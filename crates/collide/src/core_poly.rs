@@ -4,7 +4,7 @@ use crate::clip::{self, End, SLACK};
 use crate::closest::Closest;
 use crate::direction;
 use crate::feature;
-use crate::gjk::{self, PointSeed, Proximity};
+use crate::gjk::{self, Proximity};
 use crate::poly::{Poly, largest, smallest};
 use crate::sat::{self, edge_axis, preference};
 use crate::segments;
@@ -71,9 +71,9 @@ fn sides<'a>(a: &Poly<'a>, f: usize) -> impl Iterator<Item = (Vec3, Vec3)> + use
 
 /// A segment near a polyhedron, or in it, no further than `limit`.
 pub(crate) fn segment(a: &Poly, core: [Vec3; 2], limit: f32) -> Option<Closest> {
-    match Width::native().run(Lie { a, core, limit, seed: None }) {
+    match Width::native().run(Lie { a, core, limit }) {
         Lies::Beyond(_) => None,
-        Lies::Apart(closest, _) => Some(closest),
+        Lies::Apart(closest) => Some(closest),
         Lies::In(overlap) => Some(overlap.least(a, core)),
     }
 }
@@ -86,7 +86,7 @@ fn apart(a: &Poly, points: &[Vec3], axis: Vec3) -> f32 {
 }
 
 /// The manifold of a polyhedron and a segment with a skin of `radius`, or how far apart they are at least: two points where
-/// it lies on a face. The cache has the direction that parted them last, or the corners around the nearest points.
+/// it lies on a face. The cache has the direction that parted them last.
 pub(crate) fn capsule_manifold(
     a: &Poly,
     core: [Vec3; 2],
@@ -101,14 +101,13 @@ pub(crate) fn capsule_manifold(
             return Err(apart - radius);
         }
     }
-    let seed = PointSeed::unpack(cache.word, a.vertices.len(), core.len());
-    match Width::native().run(Lie { a, core, limit, seed }) {
+    match Width::native().run(Lie { a, core, limit }) {
         Lies::Beyond(axis) => {
             cache.word = direction::pack(axis);
             Err((surely_apart(a, core, axis.normalize_or_zero()) - radius).max(margin))
         }
-        Lies::Apart(closest, seed) => {
-            cache.word = seed.map_or(0, |seed| seed.pack());
+        Lies::Apart(closest) => {
+            cache.word = 0;
             let nearest = closest.with_skins(0.0, radius);
             let (f, cosine) = a.face_towards(closest.normal);
             let rounding = 4e-7 * (core[0].distance(core[1]) + a.vertices[0].length());
@@ -185,8 +184,8 @@ fn clip(a: &Poly, f: usize, along: Vec3, core: [Vec3; 2], slack: f32) -> Option<
 enum Lies {
     /// Further away than was asked; the direction (not unit) tells.
     Beyond(Vec3),
-    /// The nearest points, and the seed of the walk that has found them, where there was one.
-    Apart(Closest, Option<PointSeed>),
+    /// The nearest points.
+    Apart(Closest),
     /// They overlap.
     In(Overlap),
 }
@@ -197,8 +196,6 @@ struct Lie<'a> {
     a: &'a Poly<'a>,
     core: [Vec3; 2],
     limit: f32,
-    /// Where the walk starts, if it is known.
-    seed: Option<PointSeed>,
 }
 
 impl Kernel for Lie<'_> {
@@ -206,7 +203,7 @@ impl Kernel for Lie<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, token: L::Token) -> Lies {
-        let Lie { a, core, limit, seed } = self;
+        let Lie { a, core, limit } = self;
         let (face, inside) = best_face::<L>(token, a, core);
         let (f, separation) = face;
         if separation > limit {
@@ -220,18 +217,17 @@ impl Kernel for Lie<'_> {
         if separation > 0.0 {
             let (over_face, is_over) = over_best_face(a, core, face);
             if is_over && a.normals[f].dot(over_face.on_b) - a.offsets[f] <= separation + same {
-                return Lies::Apart(over_face, None);
+                return Lies::Apart(over_face);
             }
         }
         let edge = best_edge::<L>(token, a, core, separation.max(0.0));
         if let Some(edge) = edge.filter(|edge| edge.distance > separation.max(0.0) + same) {
-            return if edge.distance > limit { Lies::Beyond(edge.normal) } else { Lies::Apart(edge, None) };
+            return if edge.distance > limit { Lies::Beyond(edge.normal) } else { Lies::Apart(edge) };
         }
-        let mut seed =
-            seed.unwrap_or_else(|| PointSeed::towards(a.vertices, &core, &Isometry::IDENTITY, a.normals[f]));
-        match gjk::proximity_from(&mut seed, a.vertices, &core, &Isometry::IDENTITY, limit) {
+        let towards = a.normals[f];
+        match gjk::proximity(a.vertices, &core, &Isometry::IDENTITY, towards, limit) {
             Proximity::Beyond(axis) => Lies::Beyond(axis),
-            Proximity::Apart(closest) => Lies::Apart(closest, Some(seed)),
+            Proximity::Apart(closest) => Lies::Apart(closest),
             Proximity::Overlap => Lies::In(Overlap { face, edge }),
         }
     }
@@ -324,47 +320,4 @@ fn surely_apart(a: &Poly, core: [Vec3; 2], axis: Vec3) -> f32 {
     let nearest = axis.dot(core[0]).min(axis.dot(core[1]));
     let rounding = 1e-5 * (furthest.abs() + nearest.abs() + core[0].abs().element_sum());
     (nearest - furthest) * (1.0 - 1e-5) - rounding
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use rockfall_math::hash::mix;
-    use rockfall_shape::Hull;
-
-    /// Poses that go on a little from step to step, all ways a segment may lie: what is remembered changes nothing but rounding.
-    #[test]
-    fn a_pair_that_remembers_finds_what_it_finds_anew() {
-        // Between -1 and 1.
-        let wave = |i: usize, k: u64| (mix(16 * i as u64 + k) >> 40) as f32 / (1_u64 << 23) as f32 - 1.0;
-        let vector = |i: usize, k: u64| Vec3::new(wave(i, k), wave(i, k + 1), wave(i, k + 2));
-        let points: Vec<Vec3> = (0..30).map(|i| vector(i, 0).normalize()).collect();
-        let hull = Hull::from_points(&points).expect("points on a ball");
-        let a = Poly::from(&hull);
-        let mut remembered = [0; 2];
-        for i in 0..2_000 {
-            let mut cache = Cache::default();
-            for step in 0..4 {
-                let moved = 2e-3 * vector(4 * i + step, 9);
-                let core = [1.6 * vector(i, 3) + moved, 1.6 * vector(i, 6) - moved];
-                let known = direction::unpack(cache.word).is_some();
-                let seeded = PointSeed::unpack(cache.word, a.vertices.len(), 2).is_some();
-                let again = capsule_manifold(&a, core, 0.2, 0.05, &mut cache);
-                let anew = capsule_manifold(&a, core, 0.2, 0.05, &mut Cache::default());
-                match (again, anew) {
-                    (Ok(again), Ok(anew)) => {
-                        assert!((again.normal - anew.normal).length() < 1e-5, "{again:?}\n{anew:?}");
-                        assert!((again.deepest() - anew.deepest()).abs() < 1e-6 && again.count == anew.count);
-                        remembered[0] += usize::from(seeded);
-                    }
-                    (Err(again), Err(anew)) => {
-                        assert!(again > 0.05 - 1e-6 && anew > 0.05 - 1e-6);
-                        remembered[1] += usize::from(known);
-                    }
-                    (again, anew) => panic!("{again:?}\n{anew:?}"),
-                }
-            }
-        }
-        assert!(remembered.iter().all(|&count| count > 500), "{remembered:?}");
-    }
 }

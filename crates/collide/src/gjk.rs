@@ -98,59 +98,6 @@ struct Corner<A, B> {
     b: B,
 }
 
-/// Where a walk starts, and where it has ended: the corners around the nearest point, one at least.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Seed<A, B> {
-    corners: [(A, B); 3],
-    count: usize,
-}
-
-/// Of two sets of points.
-pub(crate) type PointSeed = Seed<usize, usize>;
-
-impl<A: Copy, B: Copy> Seed<A, B> {
-    fn at(a: A, b: B) -> Self {
-        Seed { corners: [(a, b); 3], count: 1 }
-    }
-}
-
-/// Bits of a packed seed that hold the number of a corner of A, and those that hold one of B besides.
-const BITS_OF_A: u32 = 8;
-const BITS: u32 = BITS_OF_A + 1;
-
-/// Tells a packed seed from a packed direction and from what two boxes remember.
-const MARK: u32 = 1 << 30;
-
-impl PointSeed {
-    /// The points that are furthest `towards` the other set, seen from A.
-    pub(crate) fn towards(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, towards: Vec3) -> Self {
-        let towards = towards.as_dvec3();
-        Seed::at(a.support(towards), b.support(Placed::new(b_in_a).back(-towards)))
-    }
-
-    /// In 31 bits; 0 where a point of A has a number above 255, or one of B above 1.
-    pub(crate) fn pack(&self) -> u32 {
-        let corners = &self.corners[..self.count];
-        if corners.iter().any(|&(a, b)| a >> BITS_OF_A != 0 || b > 1) {
-            return 0;
-        }
-        let pack = |word: u32, &(a, b): &(usize, usize)| word << BITS | (a as u32) << 1 | b as u32;
-        MARK | corners.iter().fold(0, pack) << 2 | self.count as u32
-    }
-
-    /// What [`PointSeed::pack`] has packed, if there is something and sets of so many points have it.
-    pub(crate) fn unpack(word: u32, of_a: usize, of_b: usize) -> Option<Self> {
-        let count = (word & 3) as usize;
-        let corner = |k: usize| {
-            let corner = word >> (2 + BITS * k as u32);
-            ((corner >> 1 & ((1 << BITS_OF_A) - 1)) as usize, (corner & 1) as usize)
-        };
-        let seed = Seed { corners: std::array::from_fn(|k| corner(count.saturating_sub(k + 1))), count };
-        let fits = seed.corners[..count].iter().all(|&(a, b)| a < of_a && b < of_b);
-        (word >> 30 == 1 && count > 0 && fits).then_some(seed)
-    }
-}
-
 /// Up to three corners around the point nearest to the origin, with its barycentric coordinates, and room for one more.
 #[derive(Clone, Copy, Default)]
 struct Simplex<A, B> {
@@ -185,18 +132,9 @@ const MAX_STEPS: usize = 64;
 ///
 /// Points are asked one by one. By all lanes, and in double precision only where single precision can't decide, was tried: hulls gain nothing by it, and boxes lose.
 pub(crate) fn proximity(a: &[Vec3], b: &[Vec3], b_in_a: &Isometry, towards: Vec3, limit: f32) -> Proximity {
-    proximity_from(&mut PointSeed::towards(a, b, b_in_a, towards), a, b, b_in_a, limit)
-}
-
-/// The same from a seed, which becomes that of where the walk has ended.
-pub(crate) fn proximity_from(
-    seed: &mut PointSeed,
-    a: &[Vec3],
-    b: &[Vec3],
-    b_in_a: &Isometry,
-    limit: f32,
-) -> Proximity {
-    match walk_from(seed, a, b, &Placed::new(b_in_a), f64::from(limit), GAP) {
+    let (placed, towards) = (Placed::new(b_in_a), towards.as_dvec3());
+    let first = (a.support(towards), b.support(placed.back(-towards)));
+    match walk_from(first, a, b, &placed, f64::from(limit), GAP) {
         Walk::Apart(near) => Proximity::Apart(near.closest()),
         Walk::Beyond(axis) => Proximity::Beyond(axis.as_vec3()),
         Walk::Overlap => Proximity::Overlap,
@@ -216,12 +154,12 @@ pub(crate) fn walk_until<A: Core + ?Sized, B: Core + ?Sized>(
     limit: f64,
     gap: f64,
 ) -> Walk {
-    walk_from(&mut Seed::at(a.first(), b.first()), a, b, placed, limit, gap)
+    walk_from((a.first(), b.first()), a, b, placed, limit, gap)
 }
 
-/// The same from a seed, which becomes that of where the walk has ended.
+/// The same from a point of each set.
 fn walk_from<A: Core + ?Sized, B: Core + ?Sized>(
-    seed: &mut Seed<A::Vertex, B::Vertex>,
+    first: (A::Vertex, B::Vertex),
     a: &A,
     b: &B,
     placed: &Placed,
@@ -231,18 +169,10 @@ fn walk_from<A: Core + ?Sized, B: Core + ?Sized>(
     let corner =
         |ia: A::Vertex, ib: B::Vertex| Corner { w: a.point(ia) - placed.point(b.point(ib)), a: ia, b: ib };
 
-    let mut simplex = Simplex { count: seed.count, weights: [1.0, 0.0, 0.0], ..Simplex::default() };
-    for (to, &(a, b)) in simplex.corners.iter_mut().zip(&seed.corners[..seed.count]) {
-        *to = corner(a, b);
-    }
+    let mut simplex = Simplex { count: 1, weights: [1.0, 0.0, 0.0], ..Simplex::default() };
+    simplex.corners[0] = corner(first.0, first.1);
     let mut v = simplex.corners[0].w;
     let mut scale = v.length_squared();
-    if let 2.. = seed.count
-        && let Some(part) = nearest(&simplex.corners.map(|c| c.w), seed.count)
-    {
-        v = part.point;
-        simplex.reduce(&part);
-    }
     // Whether a plane was found between the sets.
     let mut apart = false;
     for _ in 0..MAX_STEPS {
@@ -285,10 +215,6 @@ fn walk_from<A: Core + ?Sized, B: Core + ?Sized>(
     if distance > limit {
         return Walk::Beyond(-v);
     }
-    *seed = Seed {
-        corners: std::array::from_fn(|k| (simplex.corners[k].a, simplex.corners[k].b)),
-        count: simplex.count,
-    };
     let feature = simplex.feature(A::name, B::name);
     Walk::Apart(Near { distance, normal: -v / distance, on_a, on_b, feature })
 }
@@ -465,20 +391,6 @@ mod tests {
         assert!(matches!(at(Vec3::splat(0.2), 1.0), Proximity::Overlap));
         assert!(matches!(at(Vec3::splat(5.0), 1.0), Proximity::Beyond(d) if d.dot(Vec3::ONE) > 0.0));
         assert!(matches!(at(Vec3::splat(0.0), 1.0), Proximity::Overlap));
-    }
-
-    #[test]
-    fn a_seed_comes_back_where_it_fits() {
-        for count in 1..=3 {
-            let seed = Seed { corners: [(255, 1), (0, 0), (17, 1)], count };
-            let back = PointSeed::unpack(seed.pack(), 256, 2).unwrap();
-            assert_eq!((back.count, &back.corners[..count]), (count, &seed.corners[..count]));
-            assert_eq!(PointSeed::unpack(seed.pack(), 255, 2), None);
-            assert_eq!(PointSeed::unpack(seed.pack(), 256, 1), None);
-        }
-        assert_eq!(PointSeed::at(256, 0).pack(), 0);
-        assert_eq!(PointSeed::unpack(0, 8, 2), None);
-        assert_eq!(PointSeed::unpack(crate::direction::pack(Vec3::Z), 8, 2), None);
     }
 
     #[test]

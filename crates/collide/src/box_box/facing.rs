@@ -378,10 +378,10 @@ mod tests {
                 .filter(|place| places.there >> place & 1 == 1)
                 .map(|place| Vec3::from_array(places.point(place)))
                 .collect();
-            let is_among =
-                |p: &Vec3, points: &mut dyn Iterator<Item = Vec3>| points.any(|q| p.distance(q) < 2e-5);
-            assert!(found.iter().all(|p| is_among(p, &mut polygon.iter().map(|c| c.position))), "{i}");
-            assert!(polygon.iter().all(|c| is_among(&c.position, &mut found.iter().copied())), "{i}");
+            let left: Vec<Vec3> = polygon.iter().map(|corner| corner.position).collect();
+            let is_among = |p: &Vec3, points: &[Vec3]| points.iter().any(|q| p.distance(*q) < 2e-5);
+            assert!(found.iter().all(|p| is_among(p, &left)), "{i}");
+            assert!(left.iter().all(|p| is_among(p, &found)), "{i}");
             // No two of them share a name, and what is after one is before another.
             let tags: Vec<(u8, u8)> = (0..16)
                 .filter(|place| places.there >> place & 1 == 1)
