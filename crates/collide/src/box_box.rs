@@ -8,11 +8,11 @@
 //!   best face ──clip──▶ up to 8 points ──▶ 4
 //!        │ an edge axis is clearly better, or the boxes are apart and
 //!        │ their nearest points are not over the face
-//!   edges, or the general way of two polyhedra
+//!   edges, or the walk of two polyhedra, and what lies over a face that looks their way
 //! ```
 //!
 //! The fifteen axes are the three face normals of A, of B, and the nine cross products of their edges (Gottschalk,
-//! Lin and Manocha, "OBBTree", SIGGRAPH 1996); the gaps along them are measured in `gaps`, of many pairs side by side.
+//! Lin and Manocha, "OBBTree", SIGGRAPH 1996); the gaps along them are measured in `gaps`, of many pairs side by side; what lies over a face is found in `facing`.
 //!
 //! What touched in the last step goes on with its axis and, of a face, with its corners while others are no better: a box between two
 //! faces that takes turns with the corners which hold it is kept rocking by that.

@@ -190,7 +190,8 @@ enum Lies {
     In(Overlap),
 }
 
-/// Finds out how a segment lies: by the faces, which tell whether it is beyond the limit, over one of them, or in the polyhedron; by the edges that it crosses;
+/// Finds out how a segment lies: by the faces, which tell whether it is beyond the limit, over one of them,
+/// or in the polyhedron; by the edges that it crosses;
 /// and by a walk where an end is nearest to an edge, or anything to a corner.
 struct Lie<'a> {
     a: &'a Poly<'a>,
@@ -279,7 +280,8 @@ impl Overlap {
     }
 }
 
-/// Between a face and the lowest point of what its sides leave of a segment, or of all of it where they leave nothing, and whether they leave something.
+/// Between a face and the lowest point of what its sides leave of a segment, or of all of it where they leave
+/// nothing, and whether they leave something.
 fn over_best_face(a: &Poly, core: [Vec3; 2], (f, separation): (usize, f32)) -> (Closest, bool) {
     let normal = a.normals[f];
     let stretch = clip(a, f, normal, core, 0.0);
@@ -291,7 +293,8 @@ fn over_best_face(a: &Poly, core: [Vec3; 2], (f, separation): (usize, f32)) -> (
     (Closest { distance: separation, normal, on_a, on_b, feature }, stretch.is_some())
 }
 
-/// The edge that separates a polyhedron from a segment most along their common perpendicular, of those whose two faces look to different sides of it. Those that
+/// The edge that separates a polyhedron from a segment most along their common perpendicular, of those whose
+/// two faces look to different sides of it. Those that
 /// separate by less than `floor` may be passed over.
 #[inline(always)]
 fn best_edge<L: Lanes>(token: L::Token, a: &Poly, core: [Vec3; 2], floor: f32) -> Option<Closest> {
@@ -314,7 +317,8 @@ fn best_edge<L: Lanes>(token: L::Token, a: &Poly, core: [Vec3; 2], floor: f32) -
     best
 }
 
-/// The distance that a direction (unit) proves, with room for all rounding: the slow way must agree that there is so much.
+/// The distance that a direction (unit) proves, with room for all rounding: the slow way must agree that
+/// there is so much.
 fn surely_apart(a: &Poly, core: [Vec3; 2], axis: Vec3) -> f32 {
     let furthest = a.reach(axis);
     let nearest = axis.dot(core[0]).min(axis.dot(core[1]));

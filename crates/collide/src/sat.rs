@@ -3,7 +3,8 @@
 //! The shortest translation that parts two convex polyhedra is along a face normal of one of them or along the
 //! cross product of two edges. Of the edge pairs only those count that make a face of the Minkowski difference: the
 //! arcs of their face normals on the sphere cross (Gregorius, "The Separating Axis Test between Convex Polyhedra",
-//! GDC 2013). A second filter is ours, and the first to be asked: what the inner ball of the other polyhedron leaves a face or an edge to
+//! GDC 2013). A second filter is ours, and the first to be asked: what the inner ball of the other polyhedron
+//! leaves a face or an edge to
 //! separate by at the most.
 
 mod edges;
@@ -51,7 +52,8 @@ pub(crate) struct Choice {
     pub(crate) edges: Option<Axis>,
 }
 
-/// Of each of two polyhedra the face that separates it from the other most: of A, then of B. Where those of B separate by less than that
+/// Of each of two polyhedra the face that separates it from the other most: of A, then of B. Where those of B
+/// separate by less than that
 /// of A and the `tie`, one that does not separate at all.
 pub(crate) fn best_faces(a: &Poly, b: &Poly, b_in_a: &Isometry, tie: f32) -> [Axis; 2] {
     let [(f, of_a), (g, of_b)] = faces::best(a, b, b_in_a, tie);
@@ -61,12 +63,14 @@ pub(crate) fn best_faces(a: &Poly, b: &Poly, b_in_a: &Isometry, tie: f32) -> [Ax
     ]
 }
 
-/// The pair of edges that separates two polyhedra most, if that is by more than `floor`, and perhaps if it is not.
+/// The pair of edges that separates two polyhedra most, if that is by more than `floor`, and perhaps if it is
+/// not.
 pub(crate) fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, floor: f32) -> Option<Axis> {
     edges::best(a, b, b_in_a, floor)
 }
 
-/// The axis of least overlap of two polyhedra, and the one to prefer. `faces` are their best; edges that separate by less than those and the `tie` don't count.
+/// The axis of least overlap of two polyhedra, and the one to prefer. `faces` are their best; edges that
+/// separate by less than those and the `tie` don't count.
 pub(crate) fn least_overlap(
     a: &Poly,
     b: &Poly,

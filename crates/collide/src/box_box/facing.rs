@@ -1,9 +1,11 @@
-//! A face of one box over a face of the other: which parts of the one lie over the other, and the manifold of that.
+//! A face of one box over a face of the other: what lies over what, and the manifold of that.
 //!
-//! Everything is seen along the normal of the contact, on the plane of the reference face. There the incident face is a parallelogram and the reference face a rectangle along the
-//! axes. What both have in common has its corners at sixteen places at most, of which eight at a time: corners of the one in the other, and where an edge of the
-//! incident face comes in between the sides of the other and where it leaves (Liang and Barsky, "A new concept and method for line clipping", ACM TOG 3, 1984). All of them are computed,
-//! without a branch, and those that are there are picked out.
+//! Everything is seen along the normal of the contact, on the plane of the reference face. There the incident
+//! face is a parallelogram and the reference face a rectangle along the axes. What both have in common has its
+//! corners at sixteen places at most, of which eight at a time: corners of the one in the other, and where an
+//! edge of the incident face comes in between the sides of the other and where it leaves (Liang and Barsky, "A
+//! new concept and method for line clipping", ACM TOG 3, 1984). All of them are computed, without a branch, and
+//! those that are there are picked out.
 
 use super::gaps::NEXT;
 use super::{Boxes, Grip, Seen};
@@ -13,10 +15,12 @@ use crate::{ContactPoint, Manifold};
 use rockfall_math::Vec3;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
 
-/// Corners beside the reference face by this share of a side of the incident face count as inside: corner and edge must not both be lost to rounding.
+/// Corners beside the reference face by this share of a side of the incident face count as inside: corner and
+/// edge must not both be lost to rounding.
 const INSIDE: f32 = 1.0 + 1e-6;
 
-/// The incident face in the frame of the reference face: x and y along its sides where it is met along the normal, z out of it, zero at its plane.
+/// The incident face in the frame of the reference face: x and y along its sides where it is met along the
+/// normal, z out of it, zero at its plane.
 pub(super) struct Facing {
     centre: Vec3,
     u: Vec3,
@@ -37,7 +41,8 @@ pub(super) struct Facing {
 
 /// Places that the corners of the common part may have, and which ones are there.
 pub(super) struct Places {
-    /// Four corners of the incident face, four places where its edges come in, four where they leave, and four corners of the reference face.
+    /// Four corners of the incident face, four places where its edges come in, four where they leave, and
+    /// four corners of the reference face.
     at: [Four; 4],
     /// Bit 4 i + k for place k of `at[i]`.
     there: u32,
@@ -51,7 +56,8 @@ pub(super) struct Places {
 type Four = [Row; 3];
 type Row = [f32; 4];
 
-/// A sign for each corner of a face, counter-clockwise: along x, along y, and both of the corner that comes next; zero in lanes that are idle.
+/// A sign for each corner of a face, counter-clockwise: along x, along y, and both of the corner that comes
+/// next; zero in lanes that are idle.
 const SIGNS: [[f32; 16]; 4] = [
     [-1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [-1.0, -1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -60,7 +66,8 @@ const SIGNS: [[f32; 16]; 4] = [
 ];
 
 impl Boxes {
-    /// What is seen from reference face `axis` of a box, on the side of `sign`, of face `m` of the other box on the side of `towards`, along
+    /// What is seen from reference face `axis` of a box, on the side of `sign`, of face `m` of the other box
+    /// on the side of `towards`, along
     /// `direction` in the frame of the reference box, of unit length.
     pub(super) fn facing(
         &self,
@@ -70,7 +77,8 @@ impl Boxes {
         direction: Vec3,
     ) -> Facing {
         let t = Vec3::from_array(self.t);
-        // The frame of the reference box: axes, own half extents, and the other box's centre, axes, half extents.
+        // The frame of the reference box: axes, own half extents, and the other box's centre, axes, half
+        // extents.
         let [a, b, c] = self.r;
         let (along, own, other, centre, seen) = if reference_is_b {
             let centre = self.axes_of_b.map(|axis| -axis.dot(t));
@@ -138,7 +146,8 @@ impl Facing {
         places
     }
 
-    /// The manifold of what lies over the reference face, its sides moved out by `slack`, no further away than `margin`; no point is nearer than `seen.distance`.
+    /// The manifold of what lies over the reference face, its sides moved out by `slack`, no further away
+    /// than `margin`; no point is nearer than `seen.distance`.
     /// `nearest` is one more point, if nothing else is as near as that.
     pub(super) fn manifold(
         &self,
@@ -342,7 +351,8 @@ mod tests {
     use crate::clip;
     use rockfall_math::hash::mix;
 
-    /// Beside Sutherland and Hodgman's way, which cuts by one side after the other; and the same bits at each width.
+    /// Beside Sutherland and Hodgman's way, which cuts by one side after the other; and the same bits at each
+    /// width.
     #[test]
     fn the_common_part_has_the_corners_that_cuts_leave() {
         let (mut cut, mut beside) = (0, 0);

@@ -1,8 +1,11 @@
 //! Which pair of edges of two polyhedra separates them most: one edge of A against as many of B at a time as there are lanes.
 //!
-//! The axis of a pair is a direction between the normals of the faces on both sides of each edge. Along a direction n a polyhedron comes nearer than its centre c does by
-//! the radius of its inner ball at least, so the pair separates by no more than n · (c − p) less that radius, with p on the edge. The largest
-//! of these over all n between the two normals is known to a few percent from both of them, and most edges are passed over for that.
+//! The axis of a pair is a direction between the normals of the faces on both sides of each edge. Along a
+//! direction n a polyhedron comes nearer than its centre c does by
+//! the radius of its inner ball at least, so the pair separates by no more than n · (c − p) less that radius,
+//! with p on the edge. The largest
+//! of these over all n between the two normals is known to a few percent from both of them, and most edges
+//! are passed over for that.
 
 use super::{Axis, Kind, edge_axis};
 use crate::poly::Poly;
@@ -26,7 +29,8 @@ struct Best<'a> {
 /// Numbers of edges; those that are not passed over are a handful.
 type Edges = SmallVec<[u32; 64]>;
 
-/// The edges of a polyhedron along whose directions another one, with this centre and inner radius, may be further away than `floor`.
+/// The edges of a polyhedron along whose directions another one, with this centre and inner radius, may be
+/// further away than `floor`.
 #[inline(always)]
 pub(crate) fn open<L: Lanes>(token: L::Token, poly: &Poly, center: Vec3, radius: f32, floor: f32) -> Edges {
     // Room for rounding.
@@ -152,7 +156,8 @@ mod tests {
     use rockfall_math::{Mat3, Quat};
     use rockfall_shape::Hull;
 
-    /// Beside the same with nothing passed over: a hull of many edges, and a plate, whose inner ball says little.
+    /// Beside the same with nothing passed over: a hull of many edges, and a plate, whose inner ball says
+    /// little.
     #[test]
     fn what_is_passed_over_separates_by_less() {
         // Between -1 and 1.

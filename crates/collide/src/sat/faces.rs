@@ -1,7 +1,10 @@
-//! Which face of each of two polyhedra separates it from the other most, as many faces or corners at a time as there are lanes.
+//! Which face of each of two polyhedra separates it from the other most, as many faces or corners at a time
+//! as there are lanes.
 //!
-//! A polyhedron comes nearer to a face than its centre does by the radius of its inner ball at least. So a face over which the centre is no higher than
-//! the best separation so far and that radius can't separate by more, and its corners are not asked; the face over which the centre is highest comes first.
+//! A polyhedron comes nearer to a face than its centre does by the radius of its inner ball at least. So a
+//! face over which the centre is no higher than
+//! the best separation so far and that radius can't separate by more, and its corners are not asked; the face
+//! over which the centre is highest comes first.
 
 use crate::poly::{Poly, largest, smallest};
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
@@ -9,7 +12,8 @@ use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{CornerBlock, FaceBlock, HULL_LANES};
 use smallvec::SmallVec;
 
-/// Face and separation, of A and of B; of B minus infinity where its faces separate by less than that of A and the `tie`.
+/// Face and separation, of A and of B; of B minus infinity where its faces separate by less than that of A
+/// and the `tie`.
 pub(super) fn best(a: &Poly, b: &Poly, b_in_a: &Isometry, tie: f32) -> [(usize, f32); 2] {
     Width::native().run(Best { a, b, b_in_a, tie })
 }
@@ -71,7 +75,8 @@ struct Over<'a> {
 }
 
 impl Over<'_> {
-    /// Number and separation of the face beyond which the corners of the polyhedron stay furthest, the first among equals; only faces
+    /// Number and separation of the face beyond which the corners of the polyhedron stay furthest, the first
+    /// among equals; only faces
     /// that separate by more than `floor` count.
     #[inline(always)]
     fn best<L: Lanes>(&self, token: L::Token, corners: &[CornerBlock], floor: f32) -> (usize, f32) {
@@ -120,7 +125,8 @@ impl Over<'_> {
         if best.1 > floor { best } else { (0, f32::NEG_INFINITY) }
     }
 
-    /// The height of the centre over a face below which that can't separate by more than `best`, with room for rounding.
+    /// The height of the centre over a face below which that can't separate by more than `best`, with room
+    /// for rounding.
     #[inline(always)]
     fn least(&self, best: f32) -> f32 {
         let size = self.center.abs().element_sum() + self.radius + best.abs();
