@@ -1,5 +1,6 @@
 //! Prints how long the pair functions take, in nanoseconds per pair, on one thread: each pair alone, and many together; beside them, in turns on the same
-//! pairs, `parry3d`'s contact manifolds, and how many times as long as together those take. Build it with `--release`; a word narrows it to the sets whose name has it.
+//! pairs, `parry3d`'s contact manifolds, and how many times as long as together those take. Build it with `--release`; a word narrows it to the sets whose name has it, a number after it
+//! is that of the rounds.
 
 use parry3d::math::{Pose, Rotation};
 use parry3d::query::{
@@ -16,6 +17,7 @@ use std::time::Instant;
 
 /// Pairs in a set; few enough to stay in the cache, many enough that no branch is learnt by heart.
 const PAIRS: usize = 4096;
+/// Unless the command line says otherwise.
 const ROUNDS: usize = 50;
 /// Pairs that are met together.
 const PORTION: usize = 256;
@@ -103,6 +105,7 @@ fn measure(name: &str, pairs: &Pairs, margin: f32) {
     if std::env::args().nth(1).is_some_and(|part| !name.contains(&part)) {
         return;
     }
+    let rounds = std::env::args().nth(2).map_or(ROUNDS, |n| n.parse().expect("the number of the rounds"));
     for memory in [Memory::Fresh, Memory::Still, Memory::Moved] {
         let mut poses: Vec<Isometry> = pairs.iter().map(|(.., pose)| *pose).collect();
         let mut random = Random(2);
@@ -111,7 +114,7 @@ fn measure(name: &str, pairs: &Pairs, margin: f32) {
         let mut out: Vec<Manifold> = Vec::with_capacity(pairs.len());
         let mut peer = Peer::new(pairs);
         let mut least = [f64::INFINITY; 3];
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             if memory == Memory::Fresh {
                 caches.iter_mut().for_each(|caches| caches.fill(Cache::default()));
                 peer = Peer::new(pairs);

@@ -8,11 +8,11 @@
 //!   best face ──clip──▶ up to 8 points ──▶ 4
 //!        │ an edge axis is clearly better, or the boxes are apart and
 //!        │ their nearest points are not over the face
-//!   edges, or the general way of two polyhedra
+//!   edges, or the walk of two polyhedra, and what lies over a face that looks their way
 //! ```
 //!
 //! The fifteen axes are the three face normals of A, of B, and the nine cross products of their edges (Gottschalk,
-//! Lin and Manocha, "OBBTree", SIGGRAPH 1996); the gaps along them are measured in `gaps`, of many pairs side by side.
+//! Lin and Manocha, "OBBTree", SIGGRAPH 1996); the gaps along them are measured in `gaps`, of many pairs side by side; what lies over a face is found in `facing`.
 //!
 //! What touched in the last step goes on with its axis and, of a face, with its corners while others are no better: a box between two
 //! faces that takes turns with the corners which hold it is kept rocking by that.
@@ -20,18 +20,19 @@
 //! The largest separation is a lower bound of the distance. While the boxes are apart it is the distance itself if
 //! the point that it leads to lies over the face, which is checked; else the nearest points are searched for.
 
+mod facing;
 pub(crate) mod gaps;
 
 use crate::clip::SLACK;
 use crate::closest::Closest;
 use crate::feature;
 use crate::gjk::{self, Proximity};
-use crate::poly::BoxPoly;
-use crate::polyhedra::{self, Grip};
-use crate::reduce::reduce_polygon;
+use crate::poly::box_corners;
+use crate::polyhedra::FACE_COSINE;
 use crate::sat::preference;
 use crate::segments;
-use crate::{Cache, ContactPoint, Manifold};
+use crate::{Cache, Manifold};
+use facing::Facing;
 use gaps::{Gaps, NEXT, Pair};
 use rockfall_math::{Isometry, Vec3};
 
@@ -118,10 +119,8 @@ pub(crate) fn collide_with(
             if crossed || apart == of_edge {
                 let axis = again.filter(|&axis| axis >= 6).unwrap_or(edge);
                 let mut grip = if last.axis == Some(axis) { last.grip } else { Grip::default() };
-                let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
                 let (crossing, _) = boxes.crossing(axis, separations[axis]);
-                let manifold =
-                    polyhedra::around(&box_a.poly(), &box_b.poly(), b_in_a, margin, &crossing, &mut grip);
+                let manifold = boxes.around(&crossing, slack, margin, &mut grip);
                 break 'found (axis, grip, manifold);
             }
             let face = if apart == of_a { face_a } else { face_b };
@@ -141,19 +140,17 @@ pub(crate) fn collide_with(
                 break 'found (face, grip, manifold);
             }
         }
-        let (box_a, box_b) = (BoxPoly::new(a), BoxPoly::new(b));
-        let (poly_a, poly_b) = (box_a.poly(), box_b.poly());
         let mut grip = last.grip;
         if apart - of_edge <= same {
             let (closest, cross) = boxes.crossing(edge, apart);
             if cross {
-                let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
+                let manifold = boxes.around(&closest, slack, margin, &mut grip);
                 break 'found (face, grip, manifold);
             }
         }
-        match gjk::proximity(poly_a.vertices, poly_b.vertices, b_in_a, boxes.towards(face), margin) {
+        match gjk::proximity(&box_corners(a), &box_corners(b), b_in_a, boxes.towards(face), margin) {
             Proximity::Apart(closest) => {
-                let manifold = polyhedra::around(&poly_a, &poly_b, b_in_a, margin, &closest, &mut grip);
+                let manifold = boxes.around(&closest, slack, margin, &mut grip);
                 (face, grip, manifold)
             }
             Proximity::Beyond(_) => {
@@ -171,6 +168,23 @@ pub(crate) fn collide_with(
     *cache = Last { axis: Some(axis), grip }.cache();
     out.push(manifold);
     0.0
+}
+
+/// What a manifold of two boxes was made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Grip {
+    /// Whether the reference face was B's.
+    on_b: bool,
+    /// Bits of the corners that were kept, see [`feature::corner_bit`]; 0 where there was none.
+    corners: u8,
+}
+
+/// How a contact is seen.
+struct Seen {
+    /// Unit vector from A to B.
+    normal: Vec3,
+    /// Signed distance of the boxes along it, metres.
+    distance: f32,
 }
 
 /// What the last step found: the axis, and of a manifold what it was made of.
@@ -222,89 +236,59 @@ impl Boxes {
         if axis.dot(Vec3::from_array(self.t)) < 0.0 { -axis } else { axis }
     }
 
-    /// The incident face seen from reference face `k` (0–5), in the coordinates of that face.
-    fn facing(&self, k: usize) -> Facing {
-        let reference_is_b = k >= 3;
-        let axis = k % 3;
+    /// The incident face seen from reference face `k` (0–5).
+    fn over(&self, k: usize) -> Facing {
+        let (reference_is_b, axis) = (k >= 3, k % 3);
+        let seen = |j: usize| if reference_is_b { self.r[j][axis] } else { self.r[axis][j] };
         let t = Vec3::from_array(self.t);
-        // The frame of the reference box: axes, own half extents, and the other box's centre, axes, half extents.
-        let along: [Vec3; 3] = if reference_is_b { self.axes_of_b } else { [Vec3::X, Vec3::Y, Vec3::Z] };
-        let (own, other) = if reference_is_b { (self.b, self.a) } else { (self.a, self.b) };
-        let centre = if reference_is_b { -t } else { t };
-        let seen = |i: usize, j: usize| if reference_is_b { self.r[j][i] } else { self.r[i][j] };
-
-        let height = along[axis].dot(centre);
+        let height = if reference_is_b { -self.axes_of_b[axis].dot(t) } else { t[axis] };
         let sign = if height < 0.0 { -1.0 } else { 1.0 };
         // The face of the other box that looks back the most.
-        let mut m = 0;
-        for j in 1..3 {
-            if seen(axis, j).abs() > seen(axis, m).abs() {
-                m = j;
-            }
-        }
-        let towards = if sign * seen(axis, m) > 0.0 { -1.0 } else { 1.0 };
-        let [x, y] = NEXT[axis];
-        let [u, v] = NEXT[m];
-        let local = |j: usize, scale: f32| {
-            Vec3::new(scale * seen(x, j), scale * seen(y, j), scale * sign * seen(axis, j))
-        };
-        let origin = Vec3::new(along[x].dot(centre), along[y].dot(centre), sign * height - own[axis]);
-        Facing {
-            centre: origin + local(m, towards * other[m]),
-            u: local(u, other[u]),
-            v: local(v, other[v]),
-            half: [own[x], own[y]],
-            frame: [along[x], along[y], sign * along[axis]],
-            plane: own[axis],
-            reference_is_b,
-            names: feature::faces(
-                reference_is_b,
-                2 * axis + usize::from(sign > 0.0),
-                2 * m + usize::from(towards > 0.0),
-            ),
-        }
+        let m = largest([seen(0), seen(1), seen(2)]);
+        let towards = if sign * seen(m) > 0.0 { -1.0 } else { 1.0 };
+        self.facing(reference_is_b, (axis, sign), (m, towards), sign * Vec3::AXES[axis])
     }
 
     /// Whether a point of the incident face lies over reference face `k`, no higher than `limit`.
     fn reaches(&self, k: usize, limit: f32) -> bool {
-        self.facing(k).clip(0.0).points().iter().any(|c| c.position.z <= limit)
+        self.over(k).clip(0.0).reach(limit)
     }
 
     /// The manifold of reference face `k`, its sides moved out by `slack`; no point is nearer than `least`.
     fn over_face(&self, k: usize, slack: f32, margin: f32, least: f32, grip: &mut Grip) -> Manifold {
-        let facing = self.facing(k);
-        let polygon = facing.clip(slack);
-        let normal = if facing.reference_is_b { -facing.frame[2] } else { facing.frame[2] };
-        let mut points = [ContactPoint::default(); 8];
-        let mut count = 0;
-        let point = |corner: &Corner, distance: f32| {
-            // Half-way back to the reference plane.
-            let p = corner.position;
-            let z = facing.plane + p.z - 0.5 * distance;
-            let own = facing.frame[0] * p.x + facing.frame[1] * p.y + facing.frame[2] * z;
-            let position = if facing.reference_is_b { own + Vec3::from_array(self.t) } else { own };
-            ContactPoint {
-                position,
-                distance,
-                feature: feature::corner(facing.names, corner.before, corner.after),
-            }
+        let facing = self.over(k);
+        let seen = Seen { normal: facing.normal(), distance: least };
+        facing.manifold(seen, slack, margin, None, grip)
+    }
+
+    /// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face. Of faces and corners
+    /// that are as good as each other, those of the last `grip`, which becomes that of this manifold.
+    fn around(&self, closest: &Closest, slack: f32, margin: f32, grip: &mut Grip) -> Manifold {
+        let normal = closest.normal;
+        let back = self.axes_of_b.map(|axis| -axis.dot(normal));
+        let (i, j) = (largest(normal.to_array()), largest(back));
+        let (of_a, of_b) = (normal[i], back[j]);
+        if of_a.abs().max(of_b.abs()) < FACE_COSINE {
+            *grip = Grip::default();
+            return closest.manifold();
+        }
+        // A's face unless B's is nearer by more than two degrees at a right contact, or the last one: the choice must not flicker.
+        let same = if grip.on_b && grip.corners != 0 { -1e-3 } else { 1e-3 };
+        let on_b = of_b.abs() > of_a.abs() + same;
+        if grip.on_b != on_b {
+            *grip = Grip { on_b, corners: 0 };
+        }
+        let (face_of_a, face_of_b) = ((i, 1.0_f32.copysign(of_a)), (j, 1.0_f32.copysign(of_b)));
+        let facing = if on_b {
+            self.facing(true, face_of_b, face_of_a, Vec3::from_array(back))
+        } else {
+            self.facing(false, face_of_a, face_of_b, normal)
         };
-        for corner in polygon.points() {
-            let distance = if corner.position.z > least { corner.position.z } else { least };
-            if distance <= margin {
-                points[count] = point(corner, distance);
-                count += 1;
-            }
-        }
-        if count == 0 {
-            // Rounding took the whole face: its lowest corner remains.
-            let corners = facing.corners();
-            let lowest =
-                corners.iter().fold(&corners[0], |m, c| if c.position.z < m.position.z { c } else { m });
-            points[0] = point(lowest, least);
-            count = 1;
-        }
-        reduce_polygon(normal, &points[..count], &mut grip.corners)
+        // Distances of these boxes that differ by less are equal.
+        let rounding =
+            2e-7 * [self.a, self.b, self.t].map(|v| Vec3::from_array(v).length()).iter().sum::<f32>();
+        let nearest = Some((closest.point(), closest.distance + rounding));
+        facing.manifold(Seen { normal, distance: closest.distance }, slack, margin, nearest, grip)
     }
 
     /// The nearest points of the edges of axis `k` (6–14), and whether the edges cross, seen along it.
@@ -336,93 +320,7 @@ impl Boxes {
     }
 }
 
-/// The incident face in the frame of the reference face: x and y along its sides, z out of it, zero at its plane.
-struct Facing {
-    centre: Vec3,
-    u: Vec3,
-    v: Vec3,
-    half: [f32; 2],
-    /// The three axes in the frame of A (directions only; for a reference on B the origin is B's centre).
-    frame: [Vec3; 3],
-    /// Height of the face above the centre of its box.
-    plane: f32,
-    reference_is_b: bool,
-    names: u32,
-}
-
-#[derive(Clone, Copy, Default)]
-struct Corner {
-    position: Vec3,
-    before: u8,
-    after: u8,
-}
-
-/// A quadrilateral, cut by four sides: eight corners at most.
-struct Polygon {
-    corners: [Corner; 8],
-    count: usize,
-}
-
-impl Polygon {
-    fn points(&self) -> &[Corner] {
-        &self.corners[..self.count]
-    }
-
-    fn push(&mut self, corner: Corner) {
-        // Each side of a convex cut adds one corner; rounding can't add more than the array holds without this.
-        if self.count < self.corners.len() {
-            self.corners[self.count] = corner;
-            self.count += 1;
-        }
-    }
-}
-
-impl Facing {
-    fn corners(&self) -> [Corner; 4] {
-        let Facing { centre, u, v, .. } = *self;
-        let at = [centre - u - v, centre + u - v, centre + u + v, centre - u + v];
-        std::array::from_fn(|k| Corner {
-            position: at[k],
-            before: feature::edge_tag((k + 3) % 4),
-            after: feature::edge_tag(k),
-        })
-    }
-
-    /// The incident face between the sides of the reference face, each moved out by `slack`.
-    fn clip(&self, slack: f32) -> Polygon {
-        let mut polygon = Polygon { corners: [Corner::default(); 8], count: 4 };
-        polygon.corners[..4].copy_from_slice(&self.corners());
-        for axis in 0..2 {
-            let reach = self.half[axis] + slack;
-            // Whether the face sticks out at all on this axis.
-            let extent = self.u[axis].abs() + self.v[axis].abs();
-            for (side, sign) in [(2 * axis, -1.0), (2 * axis + 1, 1.0)] {
-                if sign * self.centre[axis] + extent > reach {
-                    polygon = cut(&polygon, axis, sign, reach, feature::side_tag(side));
-                }
-            }
-        }
-        polygon
-    }
-}
-
-/// What is left where `sign * position[axis] <= reach`.
-fn cut(polygon: &Polygon, axis: usize, sign: f32, reach: f32, side: u8) -> Polygon {
-    let mut left = Polygon { corners: [Corner::default(); 8], count: 0 };
-    let n = polygon.count;
-    for (i, here) in polygon.points().iter().enumerate() {
-        let next = &polygon.corners[if i + 1 == n { 0 } else { i + 1 }];
-        let h0 = sign * here.position[axis] - reach;
-        let h1 = sign * next.position[axis] - reach;
-        if h0 <= 0.0 {
-            left.push(*here);
-        }
-        if (h0 <= 0.0) != (h1 <= 0.0) {
-            let mut position = here.position + (next.position - here.position) * (h0 / (h0 - h1));
-            position[axis] = sign * reach;
-            let (before, after) = if h0 <= 0.0 { (here.after, side) } else { (side, here.after) };
-            left.push(Corner { position, before, after });
-        }
-    }
-    left
+/// The first component that is largest without its sign.
+fn largest(v: [f32; 3]) -> usize {
+    (1..3).fold(0, |m, k| if v[k].abs() > v[m].abs() { k } else { m })
 }

@@ -164,13 +164,15 @@ fn in_order(
         (HalfSpace(a), Box(b)) => a.poly_manifold(&BoxPoly::new(*b).poly(), b_in_a, margin),
         (HalfSpace(a), Capsule(b)) => a.manifold(&b.core(), b.radius, b_in_a, margin),
         (HalfSpace(a), Sphere(b)) => a.manifold(&[Vec3::ZERO], *b, b_in_a, margin),
-        (Hull(a), Capsule(b)) => core_poly::capsule_manifold(a, b.placed_core(b_in_a), b.radius, margin),
+        (Hull(a), Capsule(b)) => {
+            core_poly::capsule_manifold(a, b.placed_core(b_in_a), b.radius, margin, cache)
+        }
         (Hull(a), Sphere(b)) => core_poly::point(a, center, margin + b)
             .map_err(|apart| apart - b)
             .and_then(|c| within(c.with_skins(0.0, *b), margin)),
         (Box(a), Capsule(b)) => {
             let core = b.placed_core(b_in_a);
-            core_poly::capsule_manifold(&BoxPoly::new(*a).poly(), core, b.radius, margin)
+            core_poly::capsule_manifold(&BoxPoly::new(*a).poly(), core, b.radius, margin, cache)
         }
         (Capsule(a), Capsule(b)) => round::capsules_manifold(*a, *b, b_in_a, margin),
         // Two half-spaces; no other pair is out of order.

@@ -1,7 +1,7 @@
 //! Boxes and hulls behind one face: what the functions over polyhedra read.
 
 use rockfall_math::Vec3;
-use rockfall_shape::{CornerBlock, FaceBlock, HULL_LANES, Hull, HullEdge};
+use rockfall_shape::{CornerBlock, EdgeBlock, FaceBlock, HULL_LANES, Hull, HullEdge};
 
 /// A borrowed convex polyhedron; see [`Hull`] for the meaning of each slice.
 #[derive(Clone, Copy)]
@@ -14,6 +14,7 @@ pub(crate) struct Poly<'a> {
     pub(crate) edges: &'a [HullEdge],
     pub(crate) corner_blocks: &'a [CornerBlock],
     pub(crate) face_blocks: &'a [FaceBlock],
+    pub(crate) edge_blocks: &'a [EdgeBlock],
     ring_starts: &'a [u32],
     rings: &'a [u32],
     /// A point well inside.
@@ -28,13 +29,23 @@ impl<'a> Poly<'a> {
         &self.loops[self.loop_starts[f] as usize..self.loop_starts[f + 1] as usize]
     }
 
+    /// Where those are.
+    pub(crate) fn corners(&self, f: usize) -> impl ExactSizeIterator<Item = Vec3> + use<'a> {
+        let vertices = self.vertices;
+        self.face(f).iter().map(move |&v| vertices[v as usize])
+    }
+
     /// The face whose normal is nearest to `direction`, and its cosine; the first among equals.
     pub(crate) fn face_towards(&self, direction: Vec3) -> (usize, f32) {
-        let mut best = (0, f32::NEG_INFINITY);
-        for (f, n) in self.normals.iter().enumerate() {
-            let cosine = n.dot(direction);
-            if cosine > best.1 {
-                best = (f, cosine);
+        // Some face of a closed surface looks along any direction; idle ones look nowhere.
+        let mut best = (0, 0.0);
+        for (k, [x, y, z, _]) in self.face_blocks.iter().enumerate() {
+            let cosines: Heights =
+                std::array::from_fn(|l| x[l] * direction.x + y[l] * direction.y + z[l] * direction.z);
+            let most = largest(&cosines);
+            if most > best.1 {
+                let first = cosines.iter().position(|&cosine| cosine == most).unwrap_or(0);
+                best = (k * HULL_LANES + first, most);
             }
         }
         best
@@ -45,11 +56,17 @@ impl<'a> Poly<'a> {
         self.vertices[self.support_index(direction)]
     }
 
+    /// How far the furthest vertex is along `direction`.
+    pub(crate) fn reach(&self, direction: Vec3) -> f32 {
+        let most = |most: f32, block| most.max(largest(&heights(block, direction)));
+        self.corner_blocks.iter().fold(f32::NEG_INFINITY, most)
+    }
+
     fn support_index(&self, direction: Vec3) -> usize {
         let mut best = (0, f32::NEG_INFINITY);
         for (k, block) in self.corner_blocks.iter().enumerate() {
             let heights = heights(block, direction);
-            let highest = largest(heights);
+            let highest = largest(&heights);
             if highest > best.1 {
                 let first = heights.iter().position(|&h| h == highest).unwrap_or(0);
                 best = (k * HULL_LANES + first, highest);
@@ -76,7 +93,7 @@ impl<'a> Poly<'a> {
     pub(crate) fn holds(&self, p: Vec3) -> bool {
         self.face_blocks.iter().all(|[x, y, z, offset]| {
             let above: Heights = std::array::from_fn(|l| x[l] * p.x + y[l] * p.y + z[l] * p.z - offset[l]);
-            largest(above) <= 0.0
+            largest(&above) <= 0.0
         })
     }
 }
@@ -90,13 +107,29 @@ fn heights([x, y, z]: &CornerBlock, direction: Vec3) -> Heights {
     std::array::from_fn(|l| x[l] * direction.x + y[l] * direction.y + z[l] * direction.z)
 }
 
-/// The largest of sixteen numbers, half of them against the other half, so that they stay side by side.
-#[inline]
-fn largest(numbers: Heights) -> f32 {
-    let max = |a: f32, b: f32| if a > b { a } else { b };
-    let eight: [f32; 8] = std::array::from_fn(|l| max(numbers[l], numbers[l + 8]));
-    let four: [f32; 4] = std::array::from_fn(|l| max(eight[l], eight[l + 4]));
-    max(max(four[0], four[2]), max(four[1], four[3]))
+/// The largest of sixteen numbers.
+#[inline(always)]
+pub(crate) fn largest(numbers: &Heights) -> f32 {
+    fold(numbers, |a, b| if a > b { a } else { b })
+}
+
+/// The smallest of sixteen numbers.
+#[inline(always)]
+pub(crate) fn smallest(numbers: &Heights) -> f32 {
+    fold(numbers, |a, b| if a < b { a } else { b })
+}
+
+/// Half of the numbers with the other half, and so on, so that they stay side by side.
+#[inline(always)]
+fn fold(numbers: &Heights, better: impl Fn(f32, f32) -> f32) -> f32 {
+    let (mut eight, mut four) = ([0.0; 8], [0.0; 4]);
+    for l in 0..8 {
+        eight[l] = better(numbers[l], numbers[l + 8]);
+    }
+    for l in 0..4 {
+        four[l] = better(eight[l], eight[l + 4]);
+    }
+    better(better(four[0], four[2]), better(four[1], four[3]))
 }
 
 impl<'a> From<&'a Hull> for Poly<'a> {
@@ -110,6 +143,7 @@ impl<'a> From<&'a Hull> for Poly<'a> {
             edges: &hull.edges,
             corner_blocks: &hull.blocks.corners,
             face_blocks: &hull.blocks.faces,
+            edge_blocks: &hull.blocks.edges,
             ring_starts: &hull.blocks.ring_starts,
             rings: &hull.blocks.rings,
             center: hull.center,
@@ -127,6 +161,7 @@ pub(crate) struct BoxPoly {
     offsets: [f32; 6],
     corner_block: CornerBlock,
     face_block: FaceBlock,
+    edge_block: EdgeBlock,
 }
 
 const BOX_NORMALS: [Vec3; 6] = [Vec3::NEG_X, Vec3::X, Vec3::NEG_Y, Vec3::Y, Vec3::NEG_Z, Vec3::Z];
@@ -156,14 +191,18 @@ const BOX_RINGS: [u32; 24] = [
     0, 2, 4,  1, 2, 4,  0, 3, 4,  1, 3, 4,  0, 2, 5,  1, 2, 5,  0, 3, 5,  1, 3, 5,
 ];
 
+/// The corners of the box around the origin with these half extents, metres.
+pub(crate) fn box_corners(half: Vec3) -> [Vec3; 8] {
+    std::array::from_fn(|i| {
+        let pick = |bit: usize, h: f32| if i & bit == 0 { -h } else { h };
+        Vec3::new(pick(1, half.x), pick(2, half.y), pick(4, half.z))
+    })
+}
+
 impl BoxPoly {
     /// The box around the origin with these half extents, metres.
     pub(crate) fn new(half: Vec3) -> Self {
-        let corner = |i: usize| {
-            let pick = |bit: usize, h: f32| if i & bit == 0 { -h } else { h };
-            Vec3::new(pick(1, half.x), pick(2, half.y), pick(4, half.z))
-        };
-        let vertices = std::array::from_fn(corner);
+        let vertices = box_corners(half);
         let offsets = [half.x, half.x, half.y, half.y, half.z, half.z];
         let face = |k: usize, f: usize| match (k, f) {
             (0..3, 0..6) => BOX_NORMALS[f][k],
@@ -171,12 +210,18 @@ impl BoxPoly {
             (3, _) => f32::INFINITY,
             _ => 0.0,
         };
+        let edge = |k: usize, e: usize| match k {
+            0..8 => face(k % 4, BOX_EDGES.get(e).map_or(6, |edge| edge.faces[k / 4] as usize)),
+            8 => 0.0,
+            _ => std::f32::consts::SQRT_2,
+        };
         BoxPoly {
             half,
             vertices,
             offsets,
             corner_block: std::array::from_fn(|k| std::array::from_fn(|l| vertices[l.min(7)][k])),
             face_block: std::array::from_fn(|k| std::array::from_fn(|l| face(k, l))),
+            edge_block: std::array::from_fn(|k| std::array::from_fn(|l| edge(k, l))),
         }
     }
 
@@ -190,6 +235,7 @@ impl BoxPoly {
             edges: &BOX_EDGES,
             corner_blocks: std::slice::from_ref(&self.corner_block),
             face_blocks: std::slice::from_ref(&self.face_block),
+            edge_blocks: std::slice::from_ref(&self.edge_block),
             ring_starts: &BOX_RING_STARTS,
             rings: &BOX_RINGS,
             center: Vec3::ZERO,

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 /// degrees. Above it what lies over the face within the margin belongs to the manifold too. Near-parallel faces touch
 /// first at a corner or a crossing of edges, and where they overlap deeply the crossing may even part them on the
 /// shortest way; held at one point only, they would turn about it into each other.
-const FACE_COSINE: f32 = 0.8;
+pub(crate) const FACE_COSINE: f32 = 0.8;
 
 /// Appends the manifold of two polyhedra if they come within `margin`. Returns how far apart they are at least, or 0.
 pub(crate) fn collide(
@@ -34,7 +34,8 @@ pub(crate) fn collide(
             return apart;
         }
     }
-    let faces = sat::best_faces(a, b, b_in_a);
+    let same = rounding(a, b, b_in_a);
+    let faces = sat::best_faces(a, b, b_in_a, 2.0 * same);
     let widest = if faces[1].separation > faces[0].separation { faces[1] } else { faces[0] };
     if widest.separation > margin {
         cache.word = direction::pack(widest.normal);
@@ -42,11 +43,12 @@ pub(crate) fn collide(
     }
     // Closed forms while they apply; none do where a corner is nearest to an edge or to a corner, or where the overlap is no more than rounding.
     let (known, choice) = if widest.separation > 0.0 {
-        let crossing =
-            || between_edges(a, b, b_in_a, sat::best_edges(a, b, b_in_a, margin)?, widest.separation);
+        let crossing = || {
+            between_edges(a, b, b_in_a, sat::best_edges(a, b, b_in_a, widest.separation)?, widest.separation)
+        };
         (over_faces(a, b, b_in_a, faces).or_else(crossing), None)
     } else {
-        let choice = sat::least_overlap(a, b, b_in_a, faces);
+        let choice = sat::least_overlap(a, b, b_in_a, faces, 2.0 * same);
         let manifold = overlapping(a, b, b_in_a, margin, &choice);
         if overlap_at(a, b, b_in_a, &manifold) {
             cache.word = direction::pack(manifold.normal);
@@ -68,9 +70,9 @@ pub(crate) fn collide(
             cache.word = direction::pack(axis);
             return surely_apart(a, b, b_in_a, axis.normalize()).max(margin);
         }
-        Proximity::Apart(closest) => around(a, b, b_in_a, margin, &closest, &mut Grip::default()),
+        Proximity::Apart(closest) => around(a, b, b_in_a, margin, &closest),
         Proximity::Overlap => {
-            let choice = choice.unwrap_or_else(|| sat::least_overlap(a, b, b_in_a, faces));
+            let choice = choice.unwrap_or_else(|| sat::least_overlap(a, b, b_in_a, faces, 2.0 * same));
             overlapping(a, b, b_in_a, margin, &choice)
         }
     };
@@ -151,8 +153,9 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
     {
         return closest;
     }
-    let choice = sat::least_overlap(a, b, b_in_a, sat::best_faces(a, b, b_in_a));
     let same = rounding(a, b, b_in_a);
+    let faces = sat::best_faces(a, b, b_in_a, 2.0 * same);
+    let choice = sat::least_overlap(a, b, b_in_a, faces, 2.0 * same);
     let deepest = |axis: &Axis, slack: f32| {
         if let Kind::Edges(i, j) = axis.kind {
             return Some((*axis, crossing(a, b, b_in_a, axis, i, j).point()));
@@ -181,45 +184,22 @@ pub(crate) fn closest(a: &Poly, b: &Poly, b_in_a: &Isometry) -> Closest {
 
 /// The distance that `axis` proves, with room for all rounding: the slow way must agree that there is so much.
 fn surely_apart(a: &Poly, b: &Poly, b_in_a: &Isometry, axis: Vec3) -> f32 {
-    let furthest = a.support(axis).dot(axis);
-    let back = b_in_a.inverse_vector(axis);
-    let nearest = b.support(-back).dot(back) + axis.dot(b_in_a.translation);
+    let furthest = a.reach(axis);
+    let nearest = axis.dot(b_in_a.translation) - b.reach(-b_in_a.inverse_vector(axis));
     let rounding = 1e-5 * (furthest.abs() + nearest.abs() + b_in_a.translation.abs().element_sum());
     (nearest - furthest) * (1.0 - 1e-5) - rounding
 }
 
-/// What a manifold of two boxes was made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Grip {
-    /// Whether the reference face was B's.
-    pub(crate) on_b: bool,
-    /// Bits of the corners that were kept, see [`feature::corner_bit`]; 0 where there was none.
-    pub(crate) corners: u8,
-}
-
-/// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face. Of faces and corners
-/// that are as good as each other, those of the last `grip`, which becomes that of this manifold.
-pub(crate) fn around(
-    a: &Poly,
-    b: &Poly,
-    b_in_a: &Isometry,
-    margin: f32,
-    closest: &Closest,
-    grip: &mut Grip,
-) -> Manifold {
+/// The manifold around the nearest points: these, and where a face looks along the normal, what lies over that face.
+fn around(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, closest: &Closest) -> Manifold {
     let normal = closest.normal;
     let (face_of_a, cosine_of_a) = a.face_at_support(normal);
     let (face_of_b, cosine_of_b) = b.face_at_support(-b_in_a.inverse_vector(normal));
     if cosine_of_a.max(cosine_of_b) < FACE_COSINE {
-        *grip = Grip::default();
         return closest.manifold();
     }
-    // A's face unless B's is nearer by more than two degrees at a right contact, or the last one: the choice must not flicker.
-    let same = if grip.on_b && grip.corners != 0 { -1e-3 } else { 1e-3 };
-    let on_b = cosine_of_b > cosine_of_a + same;
-    if grip.on_b != on_b {
-        *grip = Grip { on_b, corners: 0 };
-    }
+    // A's face unless B's is nearer by more than two degrees at a right contact: the choice must not flicker.
+    let on_b = cosine_of_b > cosine_of_a + 1e-3;
     let kind = if on_b { Kind::FaceOfB(face_of_b) } else { Kind::FaceOfA(face_of_a) };
     let axis = Axis { normal, separation: closest.distance, kind };
     let slack = SLACK * a.inner_radius.min(b.inner_radius);
@@ -228,16 +208,16 @@ pub(crate) fn around(
     if deepest > closest.distance + rounding(a, b, b_in_a) {
         points.push(closest.point());
     }
-    reduce_polygon(normal, &points, &mut grip.corners)
+    reduce_polygon(normal, &points)
 }
 
 /// The manifold of polyhedra that overlap, along an axis; nothing where what lies over its face is out of reach.
 fn overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Option<Manifold> {
     if let Kind::Edges(i, j) = axis.kind {
-        return Some(around(a, b, b_in_a, margin, &crossing(a, b, b_in_a, axis, i, j), &mut Grip::default()));
+        return Some(around(a, b, b_in_a, margin, &crossing(a, b, b_in_a, axis, i, j)));
     }
     let points = over_face(a, b, b_in_a, margin, slack, axis);
-    (!points.is_empty()).then(|| reduce_polygon(axis.normal, &points, &mut 0))
+    (!points.is_empty()).then(|| reduce_polygon(axis.normal, &points))
 }
 
 fn single(axis: &Axis, point: ContactPoint) -> Manifold {
@@ -254,25 +234,22 @@ type Points = SmallVec<[ContactPoint; 24]>;
 
 /// The points of the incident face that lie over the reference face of `axis`, no further than `margin`.
 fn over_face(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, slack: f32, axis: &Axis) -> Points {
-    let loop_of = |poly: &Poly, f: usize, place: &dyn Fn(Vec3) -> Vec3| -> SmallVec<[Vec3; 24]> {
-        poly.face(f).iter().map(|&v| place(poly.vertices[v as usize])).collect()
-    };
-    let in_a = |p: Vec3| p;
-    let from_b = |p: Vec3| b_in_a.point(p);
-    let (reference, incident, outward, offset, names) = match axis.kind {
+    let in_a = |p: Vec3| b_in_a.point(p);
+    let (reference, mut polygon, outward, offset, names): (SmallVec<[Vec3; 24]>, _, _, _, _) = match axis.kind
+    {
         Kind::FaceOfB(f) => {
             let outward = b_in_a.vector(b.normals[f]);
             let (g, _) = a.face_at_support(axis.normal);
             let offset = b.offsets[f] + outward.dot(b_in_a.translation);
-            (loop_of(b, f, &from_b), loop_of(a, g, &in_a), outward, offset, feature::faces(true, f, g))
+            let polygon = clip::incident(a.corners(g));
+            (b.corners(f).map(in_a).collect(), polygon, outward, offset, feature::faces(true, f, g))
         }
         Kind::FaceOfA(f) | Kind::Edges(f, _) => {
-            let outward = a.normals[f];
             let (g, _) = b.face_at_support(-b_in_a.inverse_vector(axis.normal));
-            (loop_of(a, f, &in_a), loop_of(b, g, &from_b), outward, a.offsets[f], feature::faces(false, f, g))
+            let polygon = clip::incident(b.corners(g).map(in_a));
+            (a.corners(f).collect(), polygon, a.normals[f], a.offsets[f], feature::faces(false, f, g))
         }
     };
-    let mut polygon = clip::incident(incident.iter().copied());
     clip::clip(&mut polygon, &reference, outward, axis.normal, slack);
 
     // From the incident corner back to the reference plane along the normal; `outward` leans to it by the cosine.

@@ -35,7 +35,8 @@ const KEPT_TOUCHING: f32 = 4e-3;
 const KEPT_AREA: f32 = 0.5;
 
 /// So many corners are tried four by four; of more, an outline is taken.
-const FEW: usize = 9;
+const FEW: std::ops::RangeInclusive<usize> = 5..=MOST;
+pub(crate) const MOST: usize = 9;
 
 /// The direction in which the outline starts, in A's frame.
 pub(crate) fn start(normal: Vec3) -> Vec3 {
@@ -82,20 +83,27 @@ pub(crate) fn reduce_within(normal: Vec3, points: &[ContactPoint], start: Vec3, 
     manifold
 }
 
-/// Makes a manifold from the corners of a polygon in their order, at least one; a point that is none may come last. `kept` has the bits
-/// ([`corner_bit`]) of the corners that the last manifold kept, 0 where that is not known, and becomes those of this one.
-pub(crate) fn reduce_polygon(normal: Vec3, points: &[ContactPoint], kept: &mut u8) -> Manifold {
-    let mut manifold = Manifold { normal, ..Manifold::default() };
-    if (5..=FEW).contains(&points.len()) {
-        let bits = |set: &[usize; 4]| set.iter().fold(0, |bits, &i| bits | corner_bit(points[i].feature));
-        manifold.points =
-            best_four(normal, points, |set| *kept != 0 && bits(set) == *kept).map(|i| points[i]);
-        manifold.count = 4;
-    } else {
-        manifold = reduce(normal, points);
+/// Makes a manifold from the corners of a polygon, at least one; a point that is none may be among them.
+pub(crate) fn reduce_polygon(normal: Vec3, points: &[ContactPoint]) -> Manifold {
+    if !FEW.contains(&points.len()) {
+        return reduce(normal, points);
     }
-    *kept = manifold.points().iter().fold(0, |bits, p| bits | corner_bit(p.feature));
-    manifold
+    Manifold { normal, points: Flat::of(normal, points).best_four(None).map(|i| points[i]), count: 4 }
+}
+
+/// The four of some names that have the bits ([`corner_bit`]) of `kept`, if they are there; one without a bit may be among them.
+pub(crate) fn with_bits(names: impl Iterator<Item = u32>, kept: u8) -> Option<[usize; 4]> {
+    let (mut set, mut count, mut bits) = ([0; 4], 0, 0);
+    for (i, name) in names.enumerate() {
+        let bit = corner_bit(name);
+        if bit & kept != 0 || (bit == 0 && kept.count_ones() == 3) {
+            if count == 4 {
+                return None;
+            }
+            (set[count], count, bits) = (i, count + 1, bits | bit);
+        }
+    }
+    (count == 4 && bits == kept).then_some(set)
 }
 
 /// As [`reduce_within`]; those four by whose names `was_kept` stay while others are no better.
@@ -106,13 +114,13 @@ pub(crate) fn reduce_keeping(
     tie: f32,
     was_kept: impl Fn(u32) -> bool,
 ) -> Manifold {
-    let is_kept = |set: &[usize; 4]| set.iter().all(|&i| was_kept(points[i].feature));
     let of = |set: [usize; 4]| Manifold { normal, points: set.map(|i| points[i]), count: 4 };
-    if (5..=FEW).contains(&points.len()) {
-        return of(best_four(normal, points, is_kept));
+    let known: SmallVec<[usize; 8]> = (0..points.len()).filter(|&i| was_kept(points[i].feature)).collect();
+    if FEW.contains(&points.len()) {
+        let known = known.first_chunk::<4>();
+        return of(Flat::of(normal, points).best_four(known.copied()));
     }
     let chosen = reduce_within(normal, points, start, tie);
-    let known: SmallVec<[usize; 8]> = (0..points.len()).filter(|&i| was_kept(points[i].feature)).collect();
     let Ok(known) = <[usize; 4]>::try_from(&known[..]) else { return chosen };
     if points.len() <= 4 || chosen.count < 4 {
         return chosen;
@@ -127,25 +135,124 @@ pub(crate) fn reduce_keeping(
     }
 }
 
-/// Of all sets of four one of the best, in ascending order; the first that `was_kept`, while it is nearly as good.
-fn best_four(normal: Vec3, points: &[ContactPoint], was_kept: impl Fn(&[usize; 4]) -> bool) -> [usize; 4] {
-    let deepest = first_max(points, |p| -p.distance);
-    let worth = Worth::of(points);
-    let of_set = |set: &[usize; 4], touching: f32| worth.of_set(normal, &set.map(|i| points[i]), touching);
-    let with_deepest = fours(points.len()).filter(|set| set.contains(&deepest));
-    let most = with_deepest.map(|set| of_set(&set, TOUCHING));
-    let most = most.fold((0, true, 0.0), |most, worth| if worth > most { worth } else { most });
-    let nearly =
-        |set: &[usize; 4], touching: f32, share: f32| worth.is_nearly(of_set(set, touching), most, share);
-    fours(points.len())
-        .find(was_kept)
-        .filter(|set| nearly(set, KEPT_TOUCHING, KEPT_AREA))
-        // Of sets as good as each other the first: points come in the order of their names.
-        .or_else(|| fours(points.len()).find(|set| nearly(set, TOUCHING, EQUAL_AREA)))
-        .unwrap_or([0, 1, 2, 3])
+/// Points seen along the normal of their contact, five to nine of them.
+pub(crate) struct Flat {
+    /// In any plane that the normal is not parallel to: only ratios of areas count.
+    places: [[f32; 2]; MOST],
+    distances: [f32; MOST],
+    count: usize,
 }
 
-/// What sets of four of some points are judged by.
+impl Flat {
+    pub(crate) fn new() -> Self {
+        Flat { places: [[0.0; 2]; MOST], distances: [0.0; MOST], count: 0 }
+    }
+
+    /// Nothing happens to points that are too many.
+    pub(crate) fn push(&mut self, place: [f32; 2], distance: f32) {
+        if self.count < MOST {
+            (self.places[self.count], self.distances[self.count]) = (place, distance);
+            self.count += 1;
+        }
+    }
+
+    fn of(normal: Vec3, points: &[ContactPoint]) -> Self {
+        let (x, y) = normal.any_orthonormal_pair();
+        let mut flat = Self::new();
+        points.iter().for_each(|p| flat.push([x.dot(p.position), y.dot(p.position)], p.distance));
+        flat
+    }
+
+    /// Of all sets of four one of the best, in ascending order; the one that was `kept`, while it is nearly as good.
+    pub(crate) fn best_four(&self, kept: Option<[usize; 4]>) -> [usize; 4] {
+        let (places, distances) = (&self.places[..self.count], &self.distances[..self.count]);
+        let mut deepest = 0;
+        for (i, distance) in distances.iter().enumerate() {
+            if *distance < distances[deepest] {
+                deepest = i;
+            }
+        }
+        let least = distances[deepest];
+        let away = |p: &[f32; 2]| {
+            let [x, y] = [p[0] - places[0][0], p[1] - places[0][1]];
+            x * x + y * y
+        };
+        let span = places.iter().fold(0.0_f32, |most, p| most.max(away(p))).sqrt();
+        let no_deeper = |depth: f32| {
+            distances.iter().enumerate().fold(0_u32, |set, (i, &d)| set | u32::from(d <= depth) << i)
+        };
+        let touching = |share: f32| no_deeper(least.max(0.0) + share * span);
+        let (touch, deep) = (touching(TOUCHING), no_deeper(least + EQUAL_DEPTH * span));
+        let areas = Areas::of(places, deepest);
+
+        let mut most = (0, 0.0);
+        for i in (0..self.count).filter(|&i| i != deepest) {
+            for j in (i + 1..self.count).filter(|&j| j != deepest) {
+                for k in (j + 1..self.count).filter(|&k| k != deepest) {
+                    let touch = (touch & (1 << deepest | 1 << i | 1 << j | 1 << k)).count_ones();
+                    if touch >= most.0 {
+                        let area = areas.with_origin(i, j, k);
+                        if touch > most.0 || area > most.1 {
+                            most = (touch, area);
+                        }
+                    }
+                }
+            }
+        }
+        let nearly = |set: [usize; 4], touch: u32, share: f32| {
+            let bits = set.iter().fold(0, |bits, &i| bits | 1 << i);
+            let touches = (touch & bits).count_ones() >= most.0 && deep & bits != 0;
+            touches && areas.of_set(set) >= share * most.1
+        };
+        if let Some(set) = kept.filter(|&set| nearly(set, touching(KEPT_TOUCHING), KEPT_AREA)) {
+            return set;
+        }
+        // Of sets as good as each other the first: points come in the order of their names.
+        for i in 0..self.count {
+            for j in i + 1..self.count {
+                for k in j + 1..self.count {
+                    for l in k + 1..self.count {
+                        if nearly([i, j, k, l], touch, EQUAL_AREA) {
+                            return [i, j, k, l];
+                        }
+                    }
+                }
+            }
+        }
+        [0, 1, 2, 3]
+    }
+}
+
+/// Twice the areas of the triangles that pairs of points make with one of them, the origin, with a sign.
+struct Areas([[f32; MOST]; MOST]);
+
+impl Areas {
+    fn of(places: &[[f32; 2]], origin: usize) -> Self {
+        let mut seen = [[0.0; 2]; MOST];
+        for (to, p) in seen.iter_mut().zip(places) {
+            *to = [p[0] - places[origin][0], p[1] - places[origin][1]];
+        }
+        Areas(seen.map(|p| seen.map(|q| p[0] * q[1] - p[1] * q[0])))
+    }
+
+    /// Twice the area of four points: of the three ways to go around them, the one that does not cross itself.
+    fn of_set(&self, [a, b, c, d]: [usize; 4]) -> f32 {
+        let x = &self.0;
+        let one = x[a][b] + x[b][c] + x[c][d] - x[a][d];
+        let two = x[b][d] - x[b][c] - x[a][d] + x[a][c];
+        let three = x[a][b] + x[b][d] - x[c][d] - x[a][c];
+        one.abs().max(two.abs()).max(three.abs())
+    }
+
+    /// The same where the origin is one of them.
+    fn with_origin(&self, b: usize, c: usize, d: usize) -> f32 {
+        let x = &self.0;
+        let (bc, cd, bd) = (x[b][c], x[c][d], x[b][d]);
+        (bc + cd).abs().max((bd - bc).abs()).max((bd - cd).abs())
+    }
+}
+
+/// What sets of four of many points are judged by.
 struct Worth {
     /// Distance of the deepest of all, and how far the first is from the others at most.
     least: f32,
@@ -178,13 +285,6 @@ impl Worth {
     ) -> bool {
         touch >= most.0 && deep && area >= share * most.2
     }
-}
-
-/// All sets of four out of `n`.
-fn fours(n: usize) -> impl Iterator<Item = [usize; 4]> {
-    (0..n).flat_map(move |i| {
-        (i + 1..n).flat_map(move |j| (j + 1..n).flat_map(move |k| (k + 1..n).map(move |l| [i, j, k, l])))
-    })
 }
 
 /// Twice the area of four points, seen along `normal`: of the three ways to go around them, the one that does not cross itself.
@@ -273,29 +373,33 @@ mod tests {
             let named = ring(6, depth).into_iter().enumerate();
             named.map(|(i, point)| ContactPoint { feature: tags(i), ..point }).collect()
         };
-        let names = |m: Manifold| m.points().iter().map(|p| p.feature).collect::<Vec<_>>();
         let mut kept = 0;
-        let first = names(reduce_polygon(Vec3::Z, &hexagon(&|_| -1e-3), &mut kept));
-        assert_eq!(kept.count_ones(), 4);
+        let mut choose = |depth: &dyn Fn(usize) -> f32| -> Vec<u32> {
+            let points = hexagon(depth);
+            let kept_set = with_bits(points.iter().map(|p| p.feature), kept);
+            let names = Flat::of(Vec3::Z, &points).best_four(kept_set).map(|i| points[i].feature);
+            kept = names.iter().fold(0, |bits, &name| bits | corner_bit(name));
+            assert_eq!(kept.count_ones(), 4);
+            names.to_vec()
+        };
+        let first = choose(&|_| -1e-3);
         // Deeper by a tenth of a thousandth of the span.
         for i in 0..6 {
-            let tilted = hexagon(&|k| if k == i { -1.2e-3 } else { -1e-3 });
-            assert_eq!(names(reduce_polygon(Vec3::Z, &tilted, &mut kept)), first);
+            assert_eq!(choose(&|k| if k == i { -1.2e-3 } else { -1e-3 }), first);
         }
         // Deeper by more: nothing hides it.
         let hidden = (0..6).find(|&i| !first.contains(&tags(i))).expect("six corners and four of them");
-        let tilted = hexagon(&|k| if k == hidden { -1e-2 } else { -1e-3 });
-        let second = names(reduce_polygon(Vec3::Z, &tilted, &mut kept));
+        let second = choose(&|k| if k == hidden { -1e-2 } else { -1e-3 });
         assert!(second.contains(&tags(hidden)));
         // Back again, and it stays.
-        assert_eq!(names(reduce_polygon(Vec3::Z, &hexagon(&|_| -1e-3), &mut kept)), second);
+        assert_eq!(choose(&|_| -1e-3), second);
     }
 
     #[test]
     fn corners_that_touch_come_before_those_that_are_open() {
         for open in 0..4 {
             let depth = |i: usize| if i == open || i == open + 2 { 0.02 } else { -1e-3 };
-            let manifold = reduce_polygon(Vec3::Z, &ring(6, depth), &mut 0);
+            let manifold = reduce_polygon(Vec3::Z, &ring(6, depth));
             assert_eq!(manifold.count, 4);
             assert!(manifold.points().iter().all(|p| p.distance < 0.0));
         }

@@ -3,12 +3,14 @@
 //! The shortest translation that parts two convex polyhedra is along a face normal of one of them or along the
 //! cross product of two edges. Of the edge pairs only those count that make a face of the Minkowski difference: the
 //! arcs of their face normals on the sphere cross (Gregorius, "The Separating Axis Test between Convex Polyhedra",
-//! GDC 2013). A second filter is ours: at the least overlap the nearest points of the two edges are no further apart
-//! than the overlap itself, so an edge that stays further from the other polyhedron's box than the best face axis
-//! overlaps can't win.
+//! GDC 2013). A second filter is ours, and the first to be asked: what the inner ball of the other polyhedron
+//! leaves a face or an edge to
+//! separate by at the most.
 
 mod edges;
 mod faces;
+
+pub(crate) use edges::open;
 
 use crate::poly::Poly;
 use rockfall_math::{Isometry, Vec3};
@@ -50,23 +52,33 @@ pub(crate) struct Choice {
     pub(crate) edges: Option<Axis>,
 }
 
-/// Of each of two polyhedra the face that separates it from the other most: of A, then of B.
-pub(crate) fn best_faces(a: &Poly, b: &Poly, b_in_a: &Isometry) -> [Axis; 2] {
-    let [(f, of_a), (g, of_b)] = faces::best(a, b, b_in_a);
+/// Of each of two polyhedra the face that separates it from the other most: of A, then of B. Where those of B
+/// separate by less than that
+/// of A and the `tie`, one that does not separate at all.
+pub(crate) fn best_faces(a: &Poly, b: &Poly, b_in_a: &Isometry, tie: f32) -> [Axis; 2] {
+    let [(f, of_a), (g, of_b)] = faces::best(a, b, b_in_a, tie);
     [
         Axis { normal: a.normals[f], separation: of_a, kind: Kind::FaceOfA(f) },
         Axis { normal: -b_in_a.vector(b.normals[g]), separation: of_b, kind: Kind::FaceOfB(g) },
     ]
 }
 
-/// The pair of edges that separates two polyhedra most, among those that may separate by more than the faces do and by no more than `reach`.
-pub(crate) fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, reach: f32) -> Option<Axis> {
-    edges::best(a, b, b_in_a, reach)
+/// The pair of edges that separates two polyhedra most, if that is by more than `floor`, and perhaps if it is
+/// not.
+pub(crate) fn best_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, floor: f32) -> Option<Axis> {
+    edges::best(a, b, b_in_a, floor)
 }
 
-/// The axis of least overlap of two polyhedra, and the one to prefer. `faces` are their best.
-pub(crate) fn least_overlap(a: &Poly, b: &Poly, b_in_a: &Isometry, [of_a, of_b]: [Axis; 2]) -> Choice {
-    let edges = best_edges(a, b, b_in_a, of_a.separation.max(of_b.separation).abs());
+/// The axis of least overlap of two polyhedra, and the one to prefer. `faces` are their best; edges that
+/// separate by less than those and the `tie` don't count.
+pub(crate) fn least_overlap(
+    a: &Poly,
+    b: &Poly,
+    b_in_a: &Isometry,
+    [of_a, of_b]: [Axis; 2],
+    tie: f32,
+) -> Choice {
+    let edges = best_edges(a, b, b_in_a, of_a.separation.max(of_b.separation) - tie);
     let mut choice = Choice { steady: of_a, least: of_a, edges };
     let radius = a.inner_radius.min(b.inner_radius);
     for axis in std::iter::once(of_b).chain(edges) {
@@ -95,9 +107,10 @@ pub(crate) fn edge_axis(first: [Vec3; 2], second: [Vec3; 2], inside: Vec3) -> Op
     if squared <= 1e-8 * (q - p).length_squared() * (t - s).length_squared() {
         return None;
     }
-    let along_first = (t - s).cross(p - s).dot(cross) / squared;
-    let along_second = (q - p).cross(p - s).dot(cross) / squared;
-    let within = 0.0..=1.0;
+    // Where they cross, as shares of both edges, times the squared length.
+    let along_first = (t - s).cross(p - s).dot(cross);
+    let along_second = (q - p).cross(p - s).dot(cross);
+    let within = 0.0..=squared;
     if !within.contains(&along_first) || !within.contains(&along_second) {
         return None;
     }

@@ -9,7 +9,7 @@ mod check;
 mod merge;
 mod quickhull;
 
-pub use blocks::{CornerBlock, FaceBlock, HULL_LANES, HullBlocks};
+pub use blocks::{CornerBlock, EdgeBlock, FaceBlock, HULL_LANES, HullBlocks};
 pub use check::HullDefect;
 
 use crate::polyhedron::moments;

@@ -26,7 +26,8 @@ pub use field::{
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};
 pub use hull::{
-    CornerBlock, FaceBlock, HULL_LANES, Hull, HullBlocks, HullDefect, HullEdge, HullError, MAX_CORNERS,
+    CornerBlock, EdgeBlock, FaceBlock, HULL_LANES, Hull, HullBlocks, HullDefect, HullEdge, HullError,
+    MAX_CORNERS,
 };
 pub use kind::ShapeError;
 pub use mass::MassProperties;

@@ -87,8 +87,9 @@ pub(crate) struct Pairs {
 
 impl Pairs {
     pub(crate) fn set(&mut self, lane: usize, &Pair { a, b, r, t }: &Pair<f32>) {
-        let numbers = a.into_iter().chain(b).chain(r.into_iter().flatten()).chain(t);
-        self.numbers.iter_mut().zip(numbers).for_each(|(row, x)| row[lane] = x);
+        for (k, x) in [a, b, r[0], r[1], r[2], t].as_flattened().iter().enumerate() {
+            self.numbers[k][lane] = *x;
+        }
     }
 
     pub(crate) fn get(&self, lane: usize) -> Pair<f32> {

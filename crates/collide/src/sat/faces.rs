@@ -1,20 +1,29 @@
-//! Which face of each of two polyhedra separates it from the other most, as many faces at a time as there are lanes.
+//! Which face of each of two polyhedra separates it from the other most, as many faces or corners at a time
+//! as there are lanes.
+//!
+//! A polyhedron comes nearer to a face than its centre does by the radius of its inner ball at least. So a
+//! face over which the centre is no higher than
+//! the best separation so far and that radius can't separate by more, and its corners are not asked; the face
+//! over which the centre is highest comes first.
 
-use crate::poly::Poly;
+use crate::poly::{Poly, largest, smallest};
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
 use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{CornerBlock, FaceBlock, HULL_LANES};
 use smallvec::SmallVec;
 
-/// Face and separation, of A and of B.
-pub(super) fn best(a: &Poly, b: &Poly, b_in_a: &Isometry) -> [(usize, f32); 2] {
-    Width::native().run(Best { a, b, b_in_a })
+/// Face and separation, of A and of B; of B minus infinity where its faces separate by less than that of A
+/// and the `tie`.
+pub(super) fn best(a: &Poly, b: &Poly, b_in_a: &Isometry, tie: f32) -> [(usize, f32); 2] {
+    Width::native().run(Best { a, b, b_in_a, tie })
 }
 
+#[derive(Clone, Copy)]
 struct Best<'a> {
     a: &'a Poly<'a>,
     b: &'a Poly<'a>,
     b_in_a: &'a Isometry,
+    tie: f32,
 }
 
 impl Kernel for Best<'_> {
@@ -22,13 +31,14 @@ impl Kernel for Best<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, token: L::Token) -> Self::Output {
-        let Best { a, b, b_in_a } = self;
+        let Best { a, b, b_in_a, tie } = self;
         let b_seen = placed::<L>(token, b.corner_blocks, b_in_a);
-        let a_seen = placed::<L>(token, a.corner_blocks, &b_in_a.inverse());
-        [
-            furthest::<L>(token, a.face_blocks, &b_seen, b.vertices.len()),
-            furthest::<L>(token, b.face_blocks, &a_seen, a.vertices.len()),
-        ]
+        let over_a = Over { faces: a.face_blocks, center: b_in_a.point(b.center), radius: b.inner_radius };
+        let of_a = over_a.best::<L>(token, &b_seen, f32::NEG_INFINITY);
+        let a_in_b = b_in_a.inverse();
+        let a_seen = placed::<L>(token, a.corner_blocks, &a_in_b);
+        let over_b = Over { faces: b.face_blocks, center: a_in_b.point(a.center), radius: a.inner_radius };
+        [of_a, over_b.best::<L>(token, &a_seen, of_a.1 - tie)]
     }
 }
 
@@ -38,15 +48,16 @@ type Placed = SmallVec<[CornerBlock; 4]>;
 /// Corners in another frame.
 #[inline(always)]
 fn placed<L: Lanes>(token: L::Token, corners: &[CornerBlock], pose: &Isometry) -> Placed {
-    let [right, up, out] =
-        [pose.rotation.x_axis, pose.rotation.y_axis, pose.rotation.z_axis].map(|v| Lanes3::splat(token, v));
+    let right = Lanes3::<L>::splat(token, pose.rotation.x_axis);
+    let up = Lanes3::<L>::splat(token, pose.rotation.y_axis);
+    let out = Lanes3::<L>::splat(token, pose.rotation.z_axis);
     let origin = Lanes3::<L>::splat(token, pose.translation);
     let mut seen = Placed::new();
     for block in corners {
         let mut to = [[0.0; HULL_LANES]; 3];
         for l in (0..HULL_LANES).step_by(L::WIDTH) {
-            let [x, y, z] = block.each_ref().map(|row| L::load(token, &row[l..]));
-            let p = right.scale(x) + up.scale(y) + out.scale(z) + origin;
+            let row = |k: usize| L::load(token, &block[k][l..]);
+            let p = right.scale(row(0)) + up.scale(row(1)) + out.scale(row(2)) + origin;
             p.x.store(&mut to[0][l..]);
             p.y.store(&mut to[1][l..]);
             p.z.store(&mut to[2][l..]);
@@ -56,37 +67,88 @@ fn placed<L: Lanes>(token: L::Token, corners: &[CornerBlock], pose: &Isometry) -
     seen
 }
 
-/// Number and separation of the face beyond which the first `count` of some corners stay furthest; the first among equals.
-#[inline(always)]
-fn furthest<L: Lanes>(
-    token: L::Token,
-    faces: &[FaceBlock],
-    corners: &[CornerBlock],
-    count: usize,
-) -> (usize, f32) {
-    let mut best = (0, f32::NEG_INFINITY);
-    for (k, block) in faces.iter().enumerate() {
-        let mut separations = [0.0; HULL_LANES];
-        for l in (0..HULL_LANES).step_by(L::WIDTH) {
-            let [x, y, z, offset] = block.each_ref().map(|row| L::load(token, &row[l..]));
-            let normal = Lanes3::new(x, y, z);
-            let mut least = L::splat(token, f32::INFINITY);
-            for (corners, from) in corners.iter().zip((0..).step_by(HULL_LANES)) {
-                let [xs, ys, zs] = corners;
-                for ((&x, &y), &z) in xs.iter().zip(ys).zip(zs).take(count - from) {
-                    let corner = Vec3::new(x, y, z);
-                    least = normal.dot(Lanes3::splat(token, corner)).min(least);
+/// Faces, and what is known of a polyhedron over them: where its centre is, and the radius of its inner ball.
+struct Over<'a> {
+    faces: &'a [FaceBlock],
+    center: Vec3,
+    radius: f32,
+}
+
+impl Over<'_> {
+    /// Number and separation of the face beyond which the corners of the polyhedron stay furthest, the first
+    /// among equals; only faces
+    /// that separate by more than `floor` count.
+    #[inline(always)]
+    fn best<L: Lanes>(&self, token: L::Token, corners: &[CornerBlock], floor: f32) -> (usize, f32) {
+        let center = Lanes3::<L>::splat(token, self.center);
+        let mut heights: SmallVec<[[f32; HULL_LANES]; 8]> = SmallVec::new();
+        let mut highest = (0, f32::NEG_INFINITY);
+        for (k, face) in self.faces.iter().enumerate() {
+            let mut to = [0.0; HULL_LANES];
+            for l in (0..HULL_LANES).step_by(L::WIDTH) {
+                let row = |k: usize| L::load(token, &face[k][l..]);
+                (Lanes3::new(row(0), row(1), row(2)).dot(center) - row(3)).store(&mut to[l..]);
+            }
+            let most = largest(&to);
+            if most > highest.1 {
+                let lane = to.iter().position(|&height| height == most).unwrap_or(0);
+                highest = (k * HULL_LANES + lane, most);
+            }
+            heights.push(to);
+        }
+        let mut best = (0, floor);
+        let first = highest.0;
+        if highest.1 >= self.least(floor) {
+            let separation = self.separation::<L>(token, first, corners);
+            if separation > floor {
+                best = (first, separation);
+            }
+        }
+        for (k, heights) in heights.iter().enumerate() {
+            let least = L::splat(token, self.least(best.1));
+            for l in (0..HULL_LANES).step_by(L::WIDTH) {
+                let mut open = L::bits(least.lt(L::load(token, &heights[l..])));
+                while open != 0 {
+                    let lane = l + open.trailing_zeros() as usize;
+                    open &= open - 1;
+                    let f = k * HULL_LANES + lane;
+                    if f == first || heights[lane] < self.least(best.1) {
+                        continue;
+                    }
+                    let separation = self.separation::<L>(token, f, corners);
+                    if separation > best.1 || (separation == best.1 && f < best.0) {
+                        best = (f, separation);
+                    }
                 }
             }
-            (least - offset).store(&mut separations[l..]);
         }
-        for (l, &separation) in separations.iter().enumerate() {
-            if separation > best.1 {
-                best = (k * HULL_LANES + l, separation);
+        if best.1 > floor { best } else { (0, f32::NEG_INFINITY) }
+    }
+
+    /// The height of the centre over a face below which that can't separate by more than `best`, with room
+    /// for rounding.
+    #[inline(always)]
+    fn least(&self, best: f32) -> f32 {
+        let size = self.center.abs().element_sum() + self.radius + best.abs();
+        if best > f32::NEG_INFINITY { best + self.radius - 1e-5 * size } else { best }
+    }
+
+    /// How far some corners stay beyond a face, metres.
+    #[inline(always)]
+    fn separation<L: Lanes>(&self, token: L::Token, f: usize, corners: &[CornerBlock]) -> f32 {
+        let number = |k: usize| self.faces[f / HULL_LANES][k][f % HULL_LANES];
+        let normal = Lanes3::<L>::splat(token, Vec3::new(number(0), number(1), number(2)));
+        let mut least = L::splat(token, f32::INFINITY);
+        for corners in corners {
+            for l in (0..HULL_LANES).step_by(L::WIDTH) {
+                let row = |k: usize| L::load(token, &corners[k][l..]);
+                least = normal.dot(Lanes3::new(row(0), row(1), row(2))).min(least);
             }
         }
+        let mut numbers = [f32::INFINITY; HULL_LANES];
+        least.store(&mut numbers);
+        smallest(&numbers) - number(3)
     }
-    best
 }
 
 #[cfg(test)]
@@ -118,12 +180,13 @@ mod tests {
                 all.fold(f32::NEG_INFINITY, f32::max)
             };
             let expected = [scan(&a, b.vertices, &b_in_a), scan(&b, a.vertices, &b_in_a.inverse())];
-            let found = Width::Scalar.run(Best { a: &a, b: &b, b_in_a: &b_in_a });
+            let best = Best { a: &a, b: &b, b_in_a: &b_in_a, tie: f32::INFINITY };
+            let found = Width::Scalar.run(best);
             for ((f, separation), (expected, faces)) in found.iter().zip(expected.iter().zip([&a, &b])) {
                 assert!((separation - expected).abs() < 1e-6 && *f < faces.normals.len());
             }
             for width in Width::all() {
-                assert_eq!(width.run(Best { a: &a, b: &b, b_in_a: &b_in_a }), found);
+                assert_eq!(width.run(best), found);
             }
         }
     }

@@ -46,6 +46,14 @@ impl Width {
         }
     }
 
+    /// Four lanes, or one where this is one: for kernels that have no more to do side by side.
+    pub fn four(self) -> Self {
+        match self {
+            Width::Scalar => Width::Scalar,
+            Width::Four(level) | Width::Eight(level) | Width::Sixteen(level) => Width::Four(level),
+        }
+    }
+
     /// Every width; all of them run on every machine.
     pub fn all() -> [Self; 4] {
         [1, 4, 8, 16].map(Self::new)

@@ -1,6 +1,6 @@
 //! Corners and faces of a hull sixteen side by side, and the faces around each corner: what loops over all of them read.
 
-use super::Hull;
+use super::{Hull, HullEdge};
 use rockfall_math::Vec3;
 
 /// Numbers side by side in a block.
@@ -13,6 +13,10 @@ pub type CornerBlock = [[f32; HULL_LANES]; 3];
 /// nothing is ever beyond them.
 pub type FaceBlock = [[f32; HULL_LANES]; 4];
 
+/// Of sixteen edges the normal and the offset of the face on the left, then of the one on the right, the cosine of the angle between both, and one over
+/// that of half of it: how much further than along both normals something may reach along a direction between them. Idle edges have idle faces.
+pub type EdgeBlock = [[f32; HULL_LANES]; 10];
+
 /// What follows from the columns of a [`Hull`], in another layout.
 #[derive(Clone, Default, PartialEq)]
 pub struct HullBlocks {
@@ -20,6 +24,8 @@ pub struct HullBlocks {
     pub corners: Vec<CornerBlock>,
     /// All faces.
     pub faces: Vec<FaceBlock>,
+    /// All edges.
+    pub edges: Vec<EdgeBlock>,
     /// `rings[ring_starts[v]..ring_starts[v + 1]]` are the faces around corner v, ascending.
     pub ring_starts: Vec<u32>,
     /// Face indices, see `ring_starts`.
@@ -41,6 +47,7 @@ impl HullBlocks {
         HullBlocks {
             corners: hull.vertices.chunks(HULL_LANES).map(corner_block).collect(),
             faces: faces.chunks(HULL_LANES).map(face_block).collect(),
+            edges: hull.edges.chunks(HULL_LANES).map(|edges| edge_block(&faces, edges)).collect(),
             ring_starts: std::iter::once(0).chain(ends).collect(),
             rings: rings.concat(),
         }
@@ -61,6 +68,21 @@ fn face_block(faces: &[(Vec3, f32)]) -> FaceBlock {
             if k < 3 { normal[k] } else { offset }
         })
     })
+}
+
+/// Up to sixteen edges between some of these faces.
+fn edge_block(faces: &[(Vec3, f32)], edges: &[HullEdge]) -> EdgeBlock {
+    let mut block = EdgeBlock::default();
+    for l in 0..HULL_LANES {
+        let sides = edges.get(l).map(|edge| edge.faces.map(|f| faces[f as usize]));
+        let [(left, of_left), (right, of_right)] = sides.unwrap_or([(Vec3::X, f32::INFINITY); 2]);
+        let numbers = left.to_array().into_iter().chain([of_left]).chain(right.to_array()).chain([of_right]);
+        let spread = 2.0 / (left + right).length();
+        for (k, x) in numbers.chain([left.dot(right), spread]).enumerate() {
+            block[k][l] = x;
+        }
+    }
+    block
 }
 
 /// They say nothing that the columns of the hull don't.
