@@ -34,8 +34,7 @@ const FAST: f32 = 0.5;
 /// Bodies are thin whose inner radius is less than this share of the outer one: rods and plates beyond 1:100.
 ///
 /// Others keep their velocity when they are stopped. Of what is as thin that gives energy, in two ways. Put back to how it was turned before, a rod that spun about its axis turns at that rate
-/// across, and has a hundred thousand times the energy: so its angular velocity is turned with it. And contacts of plates that cross each other may let go what is held here; it fell on the spot, at 36 m/s after
-/// four seconds. So what is stopped in two steps running, after contacts have had their say, is no faster than it went.
+/// across, and has a hundred thousand times the energy: so its angular velocity is turned with it. And contacts of plates that cross each other may let go what is held here; it fell on the spot, and left at 36 m/s. So what is stopped in two steps running, after contacts have had their say, is no faster than it went.
 const THIN: f32 = 0.01;
 
 /// What stands in the way.
