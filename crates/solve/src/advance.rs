@@ -20,6 +20,7 @@ pub struct Body<'a> {
     pub drift: &'a mut Drift,
     pub reference: &'a mut Row,
     pub rotation: &'a mut Quat,
+    pub start: &'a Quat,
     pub frame: &'a Quat,
     pub inverse_moments: &'a Vec3,
     pub damping: &'a [f32; 2],
@@ -51,14 +52,13 @@ pub(crate) fn advance<A: Advance>(columns: &mut Columns<'_>, change: &A) {
     if A::IDLE {
         return;
     }
-    let Columns { lines, drifts, references, rotations, frames, inverse_moments, .. } = columns;
+    let Columns { lines, drifts, references, rotations, starts, frames, inverse_moments, .. } = columns;
     (
         &mut **lines,
         &mut **drifts,
         &mut **references,
         &mut **rotations,
-        *frames,
-        *inverse_moments,
+        (*starts, *frames, *inverse_moments),
         columns.dampings,
         columns.roles,
         columns.locks,
@@ -67,12 +67,13 @@ pub(crate) fn advance<A: Advance>(columns: &mut Columns<'_>, change: &A) {
         .with_min_len(ROWS)
         .shared()
         .for_each(
-            |(line, drift, reference, rotation, frame, inverse_moments, damping, &role, &locks)| {
+            |(line, drift, reference, rotation, (start, frame, inverse_moments), damping, &role, &locks)| {
                 change.advance(Body {
                     line,
                     drift,
                     reference,
                     rotation,
+                    start,
                     frame,
                     inverse_moments,
                     damping,

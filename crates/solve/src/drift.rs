@@ -11,11 +11,12 @@
 //! velocity does not. The turn is split into turns about the three principal axes, each exact (Dullweber, Leimkuhler and
 //! McLachlan, "Symplectic splitting methods for rigid body molecular dynamics", J. Chem. Phys. 107, 1997): second
 //! order, stable at any speed, the energy does not drift, and the angular momentum is kept to rounding. Each turn by the
-//! angle α is a Cayley turn by 2 atan(α/2): it needs no trigonometry and keeps lengths exactly.
+//! angle α is a Cayley turn by 2 atan(α/2): it needs no trigonometry and keeps lengths exactly. Slender bodies turn by other turns: see [`crate::slender`].
 
 use crate::advance::{Advance, Body};
 use crate::line::Role;
 use crate::push::unlocked;
+use crate::slender::{attitude, carried, long_axis, spin_slender, uncarried};
 use rockfall_math::rotation::{compose, from_rotation_vector, inverse, normalize};
 use rockfall_math::{DQuat, DVec3, Quat, Vec3};
 
@@ -56,7 +57,7 @@ impl Transform {
 impl Advance for Transform {
     #[inline]
     fn advance(&self, body: Body<'_>) {
-        let Body { line, drift, reference, rotation, frame, inverse_moments, role, locks, .. } = body;
+        let Body { line, drift, reference, rotation, start, frame, inverse_moments, role, locks, .. } = body;
         let (h, moments) = (self.h, *inverse_moments);
         if role == Role::Still {
             return;
@@ -81,7 +82,13 @@ impl Advance for Transform {
         }
         let turned = w.length_squared() * h * h;
         let round = moments.x == moments.y && moments.y == moments.z;
-        let after = if round || locks >> 3 != 0 || turned < SLOW || moments.min_element() <= 0.0 {
+        let long = if round || locks >> 3 != 0 { None } else { long_axis(moments) };
+        let after = if let Some(axis) = long {
+            let (from, now) = (attitude(*start, *frame), attitude(*rotation, *frame));
+            let (q, after) = spin_slender(now, uncarried(w, axis, from, now), moments, axis, h);
+            *rotation = normalize(compose(q, inverse(*frame)));
+            carried(after, axis, from, attitude(*rotation, *frame))
+        } else if round || locks >> 3 != 0 || turned < SLOW || moments.min_element() <= 0.0 {
             let half = w * (0.5 * h);
             *rotation = normalize(compose(Quat::from_xyzw(half.x, half.y, half.z, 1.0), *rotation));
             w

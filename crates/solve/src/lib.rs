@@ -29,6 +29,7 @@ pub mod respond;
 mod retrace;
 mod shelf;
 mod single;
+pub mod slender;
 mod snapshot;
 pub mod soft;
 mod sweep;

@@ -106,6 +106,8 @@ pub struct Columns<'a> {
     pub references: &'a mut [Row],
     /// Body to world, unit quaternions.
     pub rotations: &'a mut [Quat],
+    /// The same when the step began.
+    pub starts: &'a [Quat],
     /// Principal axes to body.
     pub frames: &'a [Quat],
     /// Inverse principal moments, 1/(kg m²).
@@ -125,6 +127,7 @@ pub(crate) struct Bodies {
     pub(crate) drifts: Vec<Drift>,
     references: Vec<Row>,
     rotations: Vec<Quat>,
+    starts: Vec<Quat>,
     frames: Vec<Quat>,
     inverse_moments: Vec<Vec3>,
     dampings: Vec<[f32; 2]>,
@@ -141,6 +144,7 @@ impl Bodies {
             drifts: vec![Drift::default(); rows],
             references: vec![[0.0; 8]; rows],
             rotations: vec![Quat::IDENTITY; rows],
+            starts: vec![Quat::IDENTITY; rows],
             frames: vec![Quat::IDENTITY; rows],
             inverse_moments: vec![Vec3::ONE; rows],
             dampings: vec![[0.0; 2]; rows],
@@ -155,6 +159,7 @@ impl Bodies {
             drifts: &mut self.drifts,
             references: &mut self.references,
             rotations: &mut self.rotations,
+            starts: &self.starts,
             frames: &self.frames,
             inverse_moments: &self.inverse_moments,
             dampings: &self.dampings,

@@ -85,7 +85,7 @@ fn visit_inner<V: Visit, A: Advance>(
     visit: &V,
 ) {
     let (plan, shelves) = Shelves::open(contacts);
-    let &mut Columns { frames, inverse_moments, dampings, roles, locks, .. } = columns;
+    let &mut Columns { starts, frames, inverse_moments, dampings, roles, locks, .. } = columns;
     let references = DisjointRows::new(columns.references);
     let rotations = DisjointRows::new(columns.rotations);
     let (lines, drifts) = (DisjointRows::new(columns.lines), DisjointRows::new(columns.drifts));
@@ -101,6 +101,7 @@ fn visit_inner<V: Visit, A: Advance>(
                 drift,
                 reference,
                 rotation,
+                start: &starts[row],
                 frame: &frames[row],
                 inverse_moments: &inverse_moments[row],
                 damping: &dampings[row],

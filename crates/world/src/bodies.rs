@@ -140,6 +140,8 @@ columns! {
     filters: [u32; 2] = [0; 2],
     /// Seconds at rest.
     rests: f32 = 0.0,
+    /// The step after the last in which [`crate::sweep`] stopped a thin body.
+    stops: u32 = u32::MAX,
     /// How far outside of the surface a contact is made, metres.
     reaches: f32 = 0.0,
     /// Way gone so far, and what was added to the reach; see `crate::recall`.
@@ -229,13 +231,14 @@ impl Bodies {
         m
     }
 
-    /// The columns that the solver sees.
-    pub(crate) fn solver_columns(&mut self) -> Columns<'_> {
+    /// The columns that the solver sees, in a step that began with the rotations `starts`.
+    pub(crate) fn solver_columns<'a>(&'a mut self, starts: &'a [Quat]) -> Columns<'a> {
         Columns {
             lines: &mut self.lines,
             drifts: &mut self.drifts,
             references: &mut self.references,
             rotations: &mut self.rotations,
+            starts,
             frames: &self.frames,
             inverse_moments: &self.inverse_moments,
             dampings: &self.dampings,

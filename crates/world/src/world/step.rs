@@ -64,7 +64,9 @@ impl World {
         clock.lap();
         pair(touches, bodies, trees, moved);
         clock.lap();
-        follow(contacts, &mut bodies.solver_columns(), *width);
+        starts.clear();
+        starts.par_extend(bodies.rotations.par_iter().shared());
+        follow(contacts, &mut bodies.solver_columns(starts), *width);
         let material = |row: usize| &materials[bodies.materials[row] as usize];
         let surface = |a: usize, b: usize| surface(material(a), material(b));
         let ground = Ground { bodies, shapes, tree: &trees.fixed };
@@ -80,12 +82,8 @@ impl World {
             link(islands, bodies, contacts);
         }
         clock.lap();
-        starts.clear();
-        if settings.continuous {
-            starts.par_extend(bodies.rotations.par_iter().shared());
-        }
         let plan = plan(settings, report.step);
-        let mut columns = bodies.solver_columns();
+        let mut columns = bodies.solver_columns(starts);
         let [solve_time, bounce_time] = match settings.solver {
             Solver::SoftStep => soft_step(contacts, &mut columns, *width, &plan),
             Solver::Impulse => impulse_step(contacts, &mut columns, &plan),
@@ -93,14 +91,20 @@ impl World {
         };
         clock.add(solve_time);
         clock.add(bounce_time);
-        report.frozen += settle(bodies, settings);
+        report.frozen += settle(bodies, starts, settings);
         clock.lap();
         if settings.continuous {
             let fallen = match settings.integrator {
                 Integrator::SemiImplicit => Vec3::ZERO,
                 Integrator::SecondOrder => settings.gravity,
             };
-            sweep(bodies, Surroundings { shapes, trees, starts }, fallen);
+            sweep(
+                bodies,
+                Surroundings { shapes, trees, starts },
+                fallen,
+                1.0 / settings.rate,
+                report.step as u32,
+            );
         }
         clock.lap();
         if settings.sleeping {
