@@ -8,8 +8,8 @@ use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{EdgeKind, HullEdge};
 use smallvec::SmallVec;
 
-/// Cosine of 3°: a direction as near as this to a normal is that normal.
-const ALIGNED: f32 = 0.9986;
+/// Cosine of a milliradian: a direction as near as this to a normal is that normal.
+const ALIGNED: f32 = 0.999_999_5;
 
 /// Cosine of 10°: a face tilted less than this lies on what it touches.
 const LIES: f32 = 0.985;
@@ -23,8 +23,9 @@ const CONE: f32 = 2e-4;
 /// Sine from which on an edge stands upright on a triangle.
 const STEEP: f32 = 0.7;
 
-/// Share of A's inner radius by which another direction must be better than the triangle's own normal.
+/// Share of A's inner radius, or of the triangle's size where that is less, by which another direction must be better than the triangle's own normal.
 const BETTER: f32 = 1e-3;
+const BETTER_OF_TRIANGLE: f32 = 2.5e-4;
 
 /// A way in which the surface can push A out of the triangle.
 #[derive(Clone, Copy)]
@@ -115,7 +116,7 @@ fn shortest<S: Surface>(
     lowest: f32,
     probe: &Probe,
 ) -> Option<Way> {
-    let step = BETTER * a.inner_radius;
+    let step = (BETTER * a.inner_radius).min(BETTER_OF_TRIANGLE * facet.size());
     let mut best = (lowest + step, Way::Face);
     let mut consider = |separation: f32, way: Way| {
         if separation > best.0 {
