@@ -3,6 +3,7 @@
 mod against_exact;
 #[path = "../common/mod.rs"]
 mod common;
+mod rim;
 
 use common::{Random, at_size};
 use rockfall_collide::{Manifold, convex_height_field, convex_mesh};
