@@ -161,12 +161,24 @@ struct Probe<'a> {
     radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
+    /// Radius of the ball inside of A, metres.
+    inner: f32,
     /// Radius of the ball inside of a closed surface, infinite where there is none, metres.
     thickness: f32,
     /// Depths that differ by less are equal, metres.
     tie: f32,
     /// Turns a direction in A's frame where outlines start; A's own frame where it has no need of another.
     frame: Mat3,
+}
+
+/// So many times as large as the ball inside of a closed surface is the ball inside of a body that is much larger.
+const LARGE: f32 = 3.0;
+
+impl Probe<'_> {
+    /// Whether A is much larger than a closed surface.
+    fn is_large(&self) -> bool {
+        self.inner > LARGE * self.thickness
+    }
 }
 
 /// A point of contact between A and one triangle.
@@ -257,8 +269,18 @@ fn ball<S: Surface>(
     }
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
     let (frame, thickness) = (Mat3::IDENTITY, thickness(surface));
-    let probe =
-        Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit, thickness, tie: 0.0, frame };
+    let probe = Probe {
+        points: core,
+        margin,
+        size,
+        center: Vec3::ZERO,
+        radius,
+        limit,
+        inner: radius,
+        thickness,
+        tie: 0.0,
+        frame,
+    };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
@@ -293,8 +315,18 @@ fn poly<S: Surface>(
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
     let (center, frame, thickness) = (a.center, Mat3::IDENTITY, thickness(surface));
-    let probe =
-        Probe { points: a.vertices, margin, size, center, radius: 0.0, limit, thickness, tie: 0.0, frame };
+    let probe = Probe {
+        points: a.vertices,
+        margin,
+        size,
+        center,
+        radius: 0.0,
+        limit,
+        inner: a.inner_radius,
+        thickness,
+        tie: 0.0,
+        frame,
+    };
     let mut touches = Vec::new();
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
@@ -337,6 +369,7 @@ fn any<S: Surface>(
         center: a.inner_center(),
         radius: solid.skin,
         limit,
+        inner: a.inner_radius(),
         thickness: thickness(surface),
         tie: smooth::tie(&solid),
         frame: surface_in_a.rotation,

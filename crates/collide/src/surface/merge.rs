@@ -10,7 +10,7 @@ use rockfall_math::{Isometry, Vec3};
 /// Cosine of 2°: contacts whose normals differ less share a manifold.
 const SAME: f32 = 0.999_39;
 
-/// Share of A's size, or of the radius of the ball inside of a closed surface that is smaller, from which on a depth needs an explanation.
+/// Share of A's size, or of the radius of the ball inside of a closed surface that is much smaller, from which on a depth needs an explanation.
 const DEEP: f32 = 0.004;
 
 /// Overlap with a closed surface, as a share of the radius of the ball inside, beyond which a shorter way out is the right one; what is fast is stopped before.
@@ -147,7 +147,10 @@ fn is_longer<A: Core + ?Sized>(facets: &[Facet], a: &A, probe: &Probe, touch: &T
 /// not inside the surface at all: a box that leans on the side of a step does not stand on its top, and one that
 /// reaches over a ridge does not hang from its far side. A thin wall that was pierced still holds.
 fn explained(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) -> bool {
-    if !touch.doubtful || -touch.distance <= DEEP * probe.size.min(probe.thickness) {
+    let large = probe.is_large();
+    let exact = (probe.radius > 0.0 || large) && !touch.doubtful;
+    let deep = DEEP * if large { probe.thickness } else { probe.size };
+    if exact || -touch.distance <= deep {
         return false;
     }
     let core = touch.on_a + probe.radius * touch.out;
@@ -160,10 +163,11 @@ fn explained(facets: &[Facet], probe: &Probe, touches: &[Touch], touch: &Touch) 
     let nearest = nearest(facets, core, probe);
     let outside = nearest.height(core) > 0.0;
     outside && (sees(nearest) || !crosses(probe.points, &facets[touch.facet]))
-        || facets
-            .iter()
-            .enumerate()
-            .any(|(i, other)| sees(other) && other.distance(core) < 0.5 * depth && pushes_less(i))
+        || touch.doubtful
+            && facets
+                .iter()
+                .enumerate()
+                .any(|(i, other)| sees(other) && other.distance(core) < 0.5 * depth && pushes_less(i))
 }
 
 /// Whether A's core overlaps the triangle.
