@@ -161,10 +161,24 @@ struct Probe<'a> {
     radius: f32,
     /// How far behind a triangle the centre may be, metres.
     limit: f32,
+    /// Radius of the ball inside of A, metres.
+    inner: f32,
+    /// Radius of the ball inside of a closed surface, infinite where there is none, metres.
+    thickness: f32,
     /// Depths that differ by less are equal, metres.
     tie: f32,
     /// Turns a direction in A's frame where outlines start; A's own frame where it has no need of another.
     frame: Mat3,
+}
+
+/// So many times as large as the ball inside of a closed surface is the ball inside of a body that is much larger.
+const LARGE: f32 = 3.0;
+
+impl Probe<'_> {
+    /// Whether A is much larger than a closed surface.
+    fn is_large(&self) -> bool {
+        self.inner > LARGE * self.thickness
+    }
 }
 
 /// A point of contact between A and one triangle.
@@ -182,6 +196,13 @@ struct Touch {
     /// Whether a point behind the triangle is pushed along the triangle's own normal, although it may have come in
     /// through another triangle.
     doubtful: bool,
+}
+
+impl Touch {
+    /// How far in front of the surface a point is along `out`, behind it negative.
+    fn in_front(&self, p: Vec3) -> f32 {
+        self.out.dot(p - self.on_a) + self.distance
+    }
 }
 
 fn collide<S: Surface>(
@@ -220,6 +241,11 @@ fn place<'a, S: Surface>(surface: &'a S, surface_in_a: &Isometry) -> Placed<'a, 
     }
 }
 
+/// Radius of the ball inside of a closed surface, infinite where there is none, metres.
+fn thickness<S: Surface>(surface: &S) -> f32 {
+    surface.inside().map_or(f32::INFINITY, |(radius, _)| radius)
+}
+
 /// Spheres (one core point) and capsules (two).
 fn ball<S: Surface>(
     core: &[Vec3],
@@ -242,16 +268,30 @@ fn ball<S: Surface>(
         return placed.apart(&bounds, size, margin);
     }
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { radius };
-    let frame = Mat3::IDENTITY;
-    let probe = Probe { points: core, margin, size, center: Vec3::ZERO, radius, limit, tie: 0.0, frame };
+    let (frame, thickness) = (Mat3::IDENTITY, thickness(surface));
+    let probe = Probe {
+        points: core,
+        margin,
+        size,
+        center: Vec3::ZERO,
+        radius,
+        limit,
+        inner: radius,
+        thickness,
+        tie: 0.0,
+        frame,
+    };
     let mut touches = Vec::new();
     for i in 0..facets.len() {
         round::touch(&placed, &facets, i, core, radius, &probe, &mut touches);
     }
     sunk(&placed, &facets, core, radius, &probe, &mut touches);
     merge::drop_passed(&placed, &facets, &probe, &mut touches);
-    let kept = merge::keep(&facets, &probe, &touches);
-    merge::manifolds(&facets, &probe, kept, out);
+    let mut kept = merge::keep(&facets, &probe, &touches);
+    if kept.is_empty() && touches.is_empty() {
+        kept.extend(round::nearest(&facets, core, radius, &probe));
+    }
+    merge::manifolds(&facets, core, &probe, kept, out);
     0.0
 }
 
@@ -274,8 +314,19 @@ fn poly<S: Surface>(
     }
     let size = bounds.min.abs().max(bounds.max.abs()).length();
     let limit = if S::BOTTOMLESS { f32::INFINITY } else { a.inner_radius };
-    let (center, frame) = (a.center, Mat3::IDENTITY);
-    let probe = Probe { points: a.vertices, margin, size, center, radius: 0.0, limit, tie: 0.0, frame };
+    let (center, frame, thickness) = (a.center, Mat3::IDENTITY, thickness(surface));
+    let probe = Probe {
+        points: a.vertices,
+        margin,
+        size,
+        center,
+        radius: 0.0,
+        limit,
+        inner: a.inner_radius,
+        thickness,
+        tie: 0.0,
+        frame,
+    };
     let mut touches = Vec::new();
     let reached: Vec<bool> =
         (0..facets.len()).map(|i| solid::touch(&placed, &facets, i, a, &probe, &mut touches)).collect();
@@ -286,7 +337,7 @@ fn poly<S: Surface>(
         let reached = facets.iter().enumerate().filter(|(i, _)| reached[*i]);
         kept.extend(solid::nearest(reached, a, &probe));
     }
-    merge::manifolds(&facets, &probe, kept, out);
+    merge::manifolds(&facets, a.vertices, &probe, kept, out);
     0.0
 }
 
@@ -318,6 +369,8 @@ fn any<S: Surface>(
         center: a.inner_center(),
         radius: solid.skin,
         limit,
+        inner: a.inner_radius(),
+        thickness: thickness(surface),
         tie: smooth::tie(&solid),
         frame: surface_in_a.rotation,
     };
@@ -331,7 +384,7 @@ fn any<S: Surface>(
     if kept.is_empty() {
         kept.extend(smooth::nearest(&facets, &solid, &probe));
     }
-    merge::manifolds(&facets, &probe, kept, out);
+    merge::manifolds(&facets, &solid.form, &probe, kept, out);
     0.0
 }
 

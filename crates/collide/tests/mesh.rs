@@ -69,8 +69,8 @@ fn placed(fixed: &Shape, shape: &Shape, random: &mut Random, far: f32, wanted: f
     place(near)
 }
 
-/// Promise: the deepest contact of a mesh and any convex shape, much larger ones and smaller ones included, is as deep as that of the solid, to a tenth of a millimetre. Where an edge lies near several others it may show another way out as well, of up to
-/// 5 mm, or for those that are a hundred times as large up to the width of the mesh: in one place of forty at the most.
+/// Promise: the deepest contact of a mesh and any convex shape, much larger ones and smaller ones included, is as deep as that of the solid, to a tenth of a millimetre. Where an edge of a box or a hull lies near several others it may be off by
+/// up to a millimetre: in one place of a hundred at the most.
 #[test]
 fn any_convex_shape_and_the_mesh_of_a_box_are_as_far_apart_as_it_and_the_box() {
     let half = Vec3::new(0.05, 0.04, 0.03);
@@ -101,12 +101,11 @@ fn any_convex_shape_and_the_mesh_of_a_box_are_as_far_apart_as_it_and_the_box() {
             }
             println!("{size} {:16} {touching} touch, {bad} not the same, off by {worst:e} m", shape.name());
             assert!(
-                touching > 250 && 40 * bad <= touching,
+                touching > 250 && 100 * bad <= touching,
                 "{} of size {size}: {bad} of {touching}",
                 shape.name()
             );
-            let most = if size > 1.0 { 2.0 * half.length() } else { 0.005 };
-            assert!(worst < most, "{} of size {size} is off by {worst} m", shape.name());
+            assert!(worst < 1e-3, "{} of size {size} is off by {worst} m", shape.name());
         }
     }
 }

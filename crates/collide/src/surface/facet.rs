@@ -73,6 +73,12 @@ impl Facet {
         }
     }
 
+    /// Length of the longest edge, metres.
+    pub(super) fn size(&self) -> f32 {
+        let squared = |edge: usize| self.corners[edge].distance_squared(self.corners[(edge + 1) % 3]);
+        squared(0).max(squared(1)).max(squared(2)).sqrt()
+    }
+
     /// Signed distance from the plane, positive in front.
     pub(super) fn height(&self, p: Vec3) -> f32 {
         self.normal.dot(p) - self.offset

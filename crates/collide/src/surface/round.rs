@@ -1,7 +1,7 @@
 //! Spheres and capsules against one triangle: points and a segment, at a distance.
 
 use super::facet::{Facet, ROUNDING, corner_pushes};
-use super::{Placed, Probe, Surface, Touch};
+use super::{Placed, Probe, Surface, Touch, merge};
 use rockfall_math::Vec3;
 use rockfall_shape::EdgeKind;
 
@@ -63,6 +63,31 @@ pub(super) fn touch<S: Surface>(
             }
         }
     }
+}
+
+/// The contact of the core point that is nearest to the surface, if that is in front of it, for where no triangle has any: of a ball that is much
+/// larger than the triangles rounding may say of each that the nearest point is another one's.
+pub(super) fn nearest(facets: &[Facet], core: &[Vec3], radius: f32, probe: &Probe) -> Option<Touch> {
+    let near = |&p: &Vec3| {
+        let facet = merge::nearest(facets, p, probe);
+        (p, facet, facet.distance(p))
+    };
+    let (p, facet, gap) = core.iter().map(near).min_by(|one, two| one.2.total_cmp(&two.2))?;
+    if facet.height(p) <= 0.0 || gap - radius > probe.margin {
+        return None;
+    }
+    let (q, edge, _) = facet.rim(p);
+    let out = (p - q).normalize_or(facet.normal);
+    let feature = facet.shared_feature([edge, edge + 1], 3);
+    let place = facets.iter().position(|other| other.triangle == facet.triangle)?;
+    Some(Touch {
+        out,
+        on_a: p - radius * out,
+        distance: gap - radius,
+        feature,
+        facet: place,
+        doubtful: false,
+    })
 }
 
 /// Contact of the core point `p` with the point `q` at parameter `at` of an edge, if the surface can push from there.

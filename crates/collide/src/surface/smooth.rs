@@ -23,8 +23,8 @@ const LIES: f32 = 0.985;
 /// Sine by which a direction may leave the cone of an edge or a corner.
 const CONE: f32 = 2e-4;
 
-/// Share of A's size by which another direction must be better than the triangle's own normal.
-const BETTER: f32 = 1e-3;
+/// Share of A's size, or of the triangle's where that is smaller, by which another direction must be better than the triangle's own normal.
+const BETTER: f32 = 1e-4;
 
 /// The point of A's core that is lowest under a plane with this normal.
 pub(super) fn lowest(a: &Solid, normal: Vec3) -> Vec3 {
@@ -38,6 +38,14 @@ pub(super) fn tie(a: &Solid) -> f32 {
         _ => 0.0,
     }
 }
+
+/// So many directions over an edge are tried, and so often is the room around the best of them cut.
+const ARCS: u32 = 8;
+const SECTIONS: u32 = 30;
+/// So many rounds settle a way out over an edge; it has where the cosine to the last one is as near to 1 as this.
+const ROUNDS: u32 = 8;
+const SETTLED: f64 = 1e-13;
+const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Contacts of A with triangle `i`.
 pub(super) fn touch<S: Surface>(
@@ -69,11 +77,24 @@ pub(super) fn touch<S: Surface>(
         };
         let touch = along(facet, i, a, &near);
         let cosine = touch.out.dot(facet.normal);
-        let better = near.distance as f32 > height + BETTER * probe.size || near.distance > 0.0;
-        if cosine > 0.0 && cosine < ALIGNED && better && pushes(placed, facet, touch.out, near.on_b.as_vec3())
+        let step = better(facet, probe);
+        let is_better = near.distance as f32 > height + step || near.distance > 0.0;
+        if cosine > 0.0
+            && cosine < ALIGNED
+            && is_better
+            && pushes(placed, facet, touch.out, near.on_b.as_vec3())
         {
             touches.push(touch);
             return;
+        }
+        if near.distance <= 0.0 && is_better {
+            // The shortest way out of the triangle alone may be one that the surface does not push.
+            let ways = (0..3).filter_map(|edge| over(facet, edge, a));
+            let best = ways.max_by(|one, two| one.separation.total_cmp(&two.separation));
+            if let Some(best) = best.filter(|best| best.separation > height + step) {
+                touches.extend(best.touch(placed, facet, i, a, step));
+                return;
+            }
         }
     }
     let spoke = probe.frame * start(probe.frame.transpose() * facet.normal);
@@ -83,21 +104,134 @@ pub(super) fn touch<S: Surface>(
     }
 }
 
+/// A direction between the normals of two triangles in which A reaches less far beyond their common edge than in all others near it.
+struct Over {
+    out: Vec3,
+    /// Signed distance of A's core from the edge along it, metres.
+    separation: f32,
+    /// Whether it is the last one that the edge can push along: there the triangle beyond does.
+    is_last: bool,
+}
+
+impl Over {
+    /// The contact along it; nothing where it is the last, which is the normal of the triangle beyond, or where A touches another place than the edge:
+    /// other triangles know of those.
+    fn touch<S: Surface>(
+        &self,
+        placed: &Placed<S>,
+        facet: &Facet,
+        i: usize,
+        a: &Solid,
+        step: f32,
+    ) -> Option<Touch> {
+        if self.is_last {
+            return None;
+        }
+        let (mut out, mut separation) = (self.out.as_dvec3(), f64::from(self.separation));
+        let mut best = None;
+        // A that is moved out a little further than it needs is nearest to where it leaves the triangle: see `penetration`.
+        for _ in 0..ROUNDS {
+            let away = (separation - f64::from(step)) * out;
+            let moved = Seen::new(&Isometry::IDENTITY).moved(away);
+            let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &moved, f64::INFINITY) else { break };
+            let low = a.form.point(a.form.support(near.normal));
+            let near = Near { on_b: near.on_b - away, ..near };
+            let distance = near.normal.dot(near.on_b - low);
+            let is_same = near.normal.dot(-out) > 1.0 - SETTLED;
+            (out, separation) = (-near.normal, distance);
+            best = Some(Near { distance, ..near });
+            if is_same {
+                break;
+            }
+        }
+        let near = best?;
+        let touch = along(facet, i, a, &near);
+        pushes(placed, facet, touch.out, near.on_b.as_vec3()).then_some(touch)
+    }
+}
+
+/// The shortest way out over an edge, along a direction that the surface can push in.
+fn over(facet: &Facet, edge: usize, a: &Solid) -> Option<Over> {
+    let last = match facet.kinds[edge] {
+        EdgeKind::Flat | EdgeKind::Concave => return None,
+        EdgeKind::Boundary => facet.outward[edge],
+        EdgeKind::Convex => facet.beyond[edge],
+    };
+    let [first, last, outward] = [facet.normal, last, facet.outward[edge]].map(|v| v.as_dvec3());
+    let corner = facet.corners[edge].as_dvec3();
+    let middle = (first + last).normalize_or(outward);
+    // From 0, the triangle's normal, to 2.
+    let out = |t: f64| {
+        let way = if t < 1.0 { first.lerp(middle, t) } else { middle.lerp(last, t - 1.0) };
+        way.normalize_or(middle)
+    };
+    let separation = |t: f64| {
+        let out = out(t);
+        out.dot(a.form.point(a.form.support(-out)) - corner)
+    };
+    let step = 2.0 / f64::from(ARCS);
+    let places = (0..=ARCS).map(|k| f64::from(k) * step);
+    let best = places.fold((0.0, f64::NEG_INFINITY), |best, t| {
+        let here = separation(t);
+        if here > best.1 { (t, here) } else { best }
+    });
+    // Golden sections around the best of these.
+    let (mut low, mut high) = ((best.0 - step).max(0.0), (best.0 + step).min(2.0));
+    for _ in 0..SECTIONS {
+        let (p, q) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        if separation(p) > separation(q) { high = q } else { low = p }
+    }
+    let t = 0.5 * (low + high);
+    let (t, separation) = if separation(t) > best.1 { (t, separation(t)) } else { best };
+    Some(Over { out: out(t).as_vec3(), separation: separation as f32, is_last: t > 2.0 - 1e-3 })
+}
+
+/// By how much another direction must be better than the triangle's own normal, metres.
+fn better(facet: &Facet, probe: &Probe) -> f32 {
+    BETTER * probe.size.min(facet.size())
+}
+
 /// The nearest points of A and any triangle that it is in front of, for where no triangle has contacts: over the bottom of a
-/// valley, as seen from each side, A is lowest beyond the other.
+/// valley, as seen from each side, A is lowest beyond the other. Where A overlaps a triangle and has its middle in front of that along the way out, the shortest
+/// such way along its normal or over an edge.
 pub(super) fn nearest(facets: &[Facet], a: &Solid, probe: &Probe) -> Option<Touch> {
     let mut best: Option<Touch> = None;
     for (i, facet) in facets.iter().enumerate().filter(|(_, facet)| facet.close) {
-        let limit = best.map_or(probe.margin, |touch| touch.distance) + a.skin;
+        let limit = best.map_or(probe.margin, |touch| touch.distance.max(-a.skin)) + a.skin;
         let seen = Seen::new(&Isometry::IDENTITY);
-        let Walk::Apart(near) = walk(&a.form, &facet.corners[..], &seen, f64::from(limit)) else { continue };
-        let touch = along(facet, i, a, &near);
-        let front = facet.height(near.on_a.as_vec3()) > 0.0;
-        if front && best.is_none_or(|best| touch.distance < best.distance) {
+        let (touch, front) = match walk(&a.form, &facet.corners[..], &seen, f64::from(limit)) {
+            Walk::Apart(near) => (along(facet, i, a, &near), facet.height(near.on_a.as_vec3()) > 0.0),
+            Walk::Overlap => {
+                let touch = outward(facet, i, a);
+                (touch, touch.in_front(probe.center) > 0.0)
+            }
+            Walk::Beyond(_) => continue,
+        };
+        let is_nearer = |best: Touch| match best.distance > -a.skin {
+            true => touch.distance < best.distance,
+            false => touch.distance <= -a.skin && touch.distance > best.distance,
+        };
+        if front && best.is_none_or(is_nearer) {
             best = Some(touch);
         }
     }
     best
+}
+
+/// The deepest point of A along the triangle's normal or over an edge, whichever is the shorter way out.
+fn outward(facet: &Facet, i: usize, a: &Solid) -> Touch {
+    let own = facet.height(lowest(a, facet.normal));
+    let over = (0..3).filter_map(|edge| over(facet, edge, a)).map(|over| (over.separation, over.out));
+    let (separation, out) =
+        over.fold((own, facet.normal), |best, way| if way.0 > best.0 { way } else { best });
+    Touch {
+        out,
+        on_a: lowest(a, out) - a.skin * out,
+        distance: separation - a.skin,
+        feature: facet.own_feature(7, 0, 0),
+        facet: i,
+        doubtful: false,
+    }
 }
 
 /// The deepest point of A, where it lies under the triangle but A went in through a neighbour in the same plane.

@@ -8,8 +8,10 @@ use rockfall_math::{Isometry, Vec3};
 use rockfall_shape::{EdgeKind, HullEdge};
 use smallvec::SmallVec;
 
-/// Cosine of 3°: a direction as near as this to a normal is that normal.
+/// Cosine of 3°: a direction as near as this to a normal is that normal. Where A is much larger than a closed surface, that of a milliradian: it would reach far below the rim that it
+/// leans over.
 const ALIGNED: f32 = 0.9986;
+const ALIGNED_OF_LARGE: f32 = 0.999_999_5;
 
 /// Cosine of 10°: a face tilted less than this lies on what it touches.
 const LIES: f32 = 0.985;
@@ -23,8 +25,9 @@ const CONE: f32 = 2e-4;
 /// Sine from which on an edge stands upright on a triangle.
 const STEEP: f32 = 0.7;
 
-/// Share of A's inner radius by which another direction must be better than the triangle's own normal.
+/// Share of A's inner radius, or of the triangle's size where A is much larger than a closed surface, by which another direction must be better than the triangle's own normal.
 const BETTER: f32 = 1e-3;
+const BETTER_OF_TRIANGLE: f32 = 2.5e-4;
 
 /// A way in which the surface can push A out of the triangle.
 #[derive(Clone, Copy)]
@@ -115,7 +118,10 @@ fn shortest<S: Surface>(
     lowest: f32,
     probe: &Probe,
 ) -> Option<Way> {
+    let large = probe.is_large();
+    let aligned = if large { ALIGNED_OF_LARGE } else { ALIGNED };
     let step = BETTER * a.inner_radius;
+    let step = if large { step.min(BETTER_OF_TRIANGLE * facet.size()) } else { step };
     let mut best = (lowest + step, Way::Face);
     let mut consider = |separation: f32, way: Way| {
         if separation > best.0 {
@@ -128,7 +134,7 @@ fn shortest<S: Surface>(
         if separation > probe.margin {
             return None;
         }
-        if facet.normal.dot(normal) > -ALIGNED
+        if facet.normal.dot(normal) > -aligned
             && separation > lowest + step
             && pushes(placed, facet, &heights, -normal)
         {
@@ -142,7 +148,7 @@ fn shortest<S: Surface>(
             EdgeKind::Convex => facet.beyond[edge],
         };
         let corner = facet.corners[edge];
-        if facet.kinds[edge] == EdgeKind::Convex && facet.normal.dot(limit) < ALIGNED {
+        if facet.kinds[edge] == EdgeKind::Convex && facet.normal.dot(limit) < aligned {
             let low = a.vertices.iter().fold(f32::INFINITY, |low, &v| low.min(limit.dot(v - corner)));
             if low > probe.margin {
                 return None;
@@ -169,7 +175,7 @@ fn shortest<S: Surface>(
             if separation > probe.margin {
                 return None;
             }
-            if out.dot(facet.normal) < ALIGNED {
+            if out.dot(facet.normal) < aligned {
                 consider(separation, Way::Across(edge, e, out));
             }
         }

@@ -1,6 +1,9 @@
 //! Convex shapes on meshes and height fields.
 
+mod against_exact;
+#[path = "../common/mod.rs"]
 mod common;
+mod rim;
 
 use common::{Random, at_size};
 use rockfall_collide::{Manifold, convex_height_field, convex_mesh};
@@ -58,6 +61,16 @@ fn floors() -> Vec<Mesh> {
         floor(2, 3.0, 0.0),
         floor(2, 1000.0, 0.0),
     ]
+}
+
+/// The closed mesh of a hull.
+fn mesh_of(hull: &Hull) -> Mesh {
+    let fan = |f: usize| {
+        let face = hull.face(f);
+        (1..face.len() - 1).map(move |k| [face[0], face[k], face[k + 1]])
+    };
+    let triangles: Vec<[u32; 3]> = (0..hull.normals.len()).flat_map(fan).collect();
+    Mesh::from_triangles(&hull.vertices, &triangles).expect("a hull")
 }
 
 fn boulder(seed: u64, radius: f32) -> Shape {
