@@ -73,13 +73,16 @@ fn face_block(faces: &[(Vec3, f32)]) -> FaceBlock {
 /// Up to sixteen edges between some of these faces.
 fn edge_block(faces: &[(Vec3, f32)], edges: &[HullEdge]) -> EdgeBlock {
     let mut block = EdgeBlock::default();
-    for l in 0..HULL_LANES {
-        let sides = edges.get(l).map(|edge| edge.faces.map(|f| faces[f as usize]));
-        let [(left, of_left), (right, of_right)] = sides.unwrap_or([(Vec3::X, f32::INFINITY); 2]);
+    // An edge that is not there lies in a face that is endlessly far out.
+    let none = [(Vec3::X, f32::INFINITY); 2];
+    let sides = edges.iter().map(|edge| edge.faces.map(|f| faces[f as usize]));
+    for (l, [(left, of_left), (right, of_right)]) in
+        sides.chain(std::iter::repeat(none)).take(HULL_LANES).enumerate()
+    {
         let numbers = left.to_array().into_iter().chain([of_left]).chain(right.to_array()).chain([of_right]);
         let spread = 2.0 / (left + right).length();
-        for (k, x) in numbers.chain([left.dot(right), spread]).enumerate() {
-            block[k][l] = x;
+        for (row, x) in block.iter_mut().zip(numbers.chain([left.dot(right), spread])) {
+            row[l] = x;
         }
     }
     block
