@@ -59,6 +59,12 @@ pub fn normalize(q: Quat) -> Quat {
     }
 }
 
+/// The quaternion as it is where its length is one to rounding, else [`normalize`]d: once more would change last bits, and a state that is put back has to be what it was.
+pub fn unit(q: Quat) -> Quat {
+    let squared = (q.x * q.x + q.y * q.y) + (q.z * q.z + q.w * q.w);
+    if (squared - 1.0).abs() <= 4.0 * f32::EPSILON { q } else { normalize(q) }
+}
+
 /// The rotation about `v` by `|v|` radians: the exponential map, exact for a constant angular velocity.
 #[inline]
 pub fn from_rotation_vector(v: Vec3) -> Quat {
@@ -147,5 +153,15 @@ mod tests {
     #[test]
     fn no_length_gives_the_identity() {
         assert_eq!(normalize(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)), Quat::IDENTITY);
+    }
+
+    #[test]
+    fn what_is_normalized_is_a_unit_and_stays() {
+        for k in 0..1000 {
+            let x = k as f32 * 0.37;
+            let q = normalize(Quat::from_xyzw(trig::sin_cos(x).0, 0.3, trig::sin_cos(2.3 * x).1, 1.7));
+            assert_eq!(unit(q), q);
+        }
+        assert_eq!(unit(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0)), Quat::IDENTITY);
     }
 }

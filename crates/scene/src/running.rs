@@ -63,7 +63,11 @@ impl Running {
             }
         };
         let bodies: Vec<Body> = placed.iter().enumerate().map(body).collect();
-        running.world.spawn_all(bodies)?;
+        let ids = running.world.spawn_all(bodies)?;
+        // Those of another run's end are as they were, to the bit; a body that is spawned has its rotation normalized.
+        for (id, (&(_, pose), _)) in ids.into_iter().zip(placed.iter().zip(&motions)) {
+            running.world.set_pose(id, pose)?;
+        }
         Ok(running)
     }
 

@@ -34,7 +34,7 @@ pub(crate) struct Heir {
     pub(crate) ordinal: u32,
 }
 
-/// Which share of what is lost the new contacts of a pair take over, in a step of `dt` seconds: nothing where all of the contact is one flat side on another.
+/// Which share of what is lost the new contacts of a pair take over, in a step of `dt` seconds: only bodies that may be concave have contacts that come and go like that.
 pub(crate) fn portion(bodies: &Bodies, rows: [usize; 2], shapes: [&Shape; 2], dt: f32) -> f32 {
     if !shapes.into_iter().any(may_hang) {
         return 0.0;

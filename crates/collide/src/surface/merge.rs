@@ -60,7 +60,10 @@ pub(super) fn manifolds<A: Core + ?Sized>(
     mut kept: Vec<Touch>,
     out: &mut Vec<Manifold>,
 ) {
-    drop_longer(facets, a, probe, &mut kept);
+    // Of an open one each triangle counts by itself: in a pipe of strips a fast box is in several, and would be held by the wrong one.
+    if probe.thickness.is_finite() {
+        drop_longer(facets, a, probe, &mut kept);
+    }
     let near = (2e-5 * probe.size) * (2e-5 * probe.size);
     let mut points: Vec<ContactPoint> = Vec::new();
     for group in by_direction(facets, kept) {

@@ -167,7 +167,7 @@ impl World {
         Ok(())
     }
 
-    /// Puts a body somewhere else, and wakes it. Bodies that it touched wake with the next step.
+    /// Puts a body somewhere else, and wakes it. Bodies that it touched wake with the next step. A rotation whose length is one to rounding is taken as it is.
     ///
     /// # Errors
     /// [`Error::NoBody`]; [`Error::Value`] for a pose that no body can have.
@@ -175,7 +175,7 @@ impl World {
         let row = self.row(id)?;
         Body::check_pose(&pose)?;
         self.handled = true;
-        let rotation = rotation::normalize(pose.rotation);
+        let rotation = rotation::unit(pose.rotation);
         let center = rotation::rotate(rotation, self.bodies.centers[row]);
         self.bodies.positions[row] = pose.position + center.as_dvec3();
         self.bodies.rotations[row] = rotation;
