@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let number = |i: usize, default: usize| args.get(i).and_then(|a| a.parse().ok()).unwrap_or(default);
     let (count, settle, timed) = (number(0, 10_000), number(1, 600), number(2, 120));
     let (threads, substeps) = (number(3, 0), number(4, 8) as u32);
-    // With the four of the default rings never come to rest.
+    // With the four of the default rings come to rest as well, most of them later.
     let settings = Settings { threads, substeps, sleeping: false, ..Settings::default() };
     let mesh = Arc::new(ring()?);
     let start = Instant::now();
