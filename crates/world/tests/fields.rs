@@ -225,8 +225,7 @@ fn dish() -> Shape {
     field(line.into_iter().map(Vec2::from), 48, 1e-3)
 }
 
-/// Stacks of ten bowls in each other, each turned against the one below. They rest after two seconds: their walls wedge, and ask for 120 steps a second, and for contacts no faster than a sixteenth of the sub-steps; with 60 half of
-/// such stacks go on shaking at 0.5 m/s.
+/// Stacks of ten bowls in each other, each turned against the one below, whose walls wedge. They rest after two seconds.
 fn assert_nest(stacks: usize) {
     let mut stage = Stage::on_ground(Settings { substeps: 8, rate: 120.0, ..settings() }, rubs(0.4, 0.0));
     let dish = stage.shape(dish());
