@@ -66,7 +66,8 @@ use rockfall_shape::Shape;
 ///
 /// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
 /// by 0.06 % of the smaller box's largest half extent and 0.15 % of the overlap, of corners by a fourth of a thousandth of their span. Two half-spaces have no
-/// manifold, and neither has a shape in a place that is not finite.
+/// manifold, and neither has a shape in a place that is not finite. Of shapes that are further than 1e7 m from each other
+/// single precision tells nothing, and the result may be anything.
 ///
 /// Returns a distance by which the shapes are surely apart, metres, to rounding: their distance or less; 0 where that is
 /// not known without more work.

@@ -48,9 +48,12 @@ pub(crate) fn open<L: Lanes>(token: L::Token, poly: &Poly, center: Vec3, radius:
             // Between the normals lies the largest only if each of them is nearer to it than to the other one.
             let between = high.max(high * row(9));
             let most = L::select(low.lt(high * row(8) - room), high, between);
-            let mut mask = !L::bits(most.lt(least)) & (((1_u32 << L::WIDTH) - 1) as u16);
+            // Idle lanes are no edges, whatever came out for them: what is too far to be reckoned with is not a number.
+            let first = k * HULL_LANES + l;
+            let real = poly.edges.len().saturating_sub(first).min(L::WIDTH);
+            let mut mask = !L::bits(most.lt(least)) & (((1_u32 << real) - 1) as u16);
             while mask != 0 {
-                edges.push((k * HULL_LANES + l) as u32 + mask.trailing_zeros());
+                edges.push(first as u32 + mask.trailing_zeros());
                 mask &= mask - 1;
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::brute_force::{manifold, size};
 use crate::common::{Random, at_size};
-use rockfall_collide::{Manifold, distance};
+use rockfall_collide::{Cache, Manifold, collide, distance};
 use rockfall_math::{DVec3, Isometry, Mat3, Pose, Quat, Vec3, rotation};
 use rockfall_shape::{Hull, Shape};
 use std::sync::Arc;
@@ -67,6 +67,22 @@ fn concentric_boxes_part_along_their_thinnest_side() {
     // One inside the other.
     let m = manifold(&cuboid(Vec3::splat(2.0)), &cuboid(Vec3::splat(0.5)), &Isometry::IDENTITY, 0.0).unwrap();
     assert_eq!(m.deepest(), -2.5);
+}
+
+/// So far that heights over faces are endless or no numbers: a caller may bring such a place.
+#[test]
+fn bodies_beyond_all_numbers_end_nothing() {
+    let mut random = Random(5);
+    for far in [1e18, 3e30, f32::MAX, f32::INFINITY, f32::NAN] {
+        for (first, second) in (0..5).flat_map(|first| (0..5).map(move |second| (first, second))) {
+            for direction in [Vec3::X, -Vec3::Y, Vec3::ONE, Vec3::new(1.0, 1e-30, -1.0)] {
+                let (a, b) = (random.shape(first), random.shape(second));
+                let pose = Isometry { rotation: random.rotation(), translation: direction * far };
+                let apart = collide(&a, &b, &pose, 0.01, &mut Cache::default(), &mut Vec::new());
+                assert!(apart >= 0.0, "{apart} {a:?}\n{b:?}\n{pose:?}");
+            }
+        }
+    }
 }
 
 #[test]
