@@ -57,6 +57,16 @@ pub(crate) fn pair(of_a: usize, of_b: usize) -> u32 {
     (of_a as u32 & 0x7fff) << 16 | PAIR | (of_b as u32 & 0xff)
 }
 
+/// A corner of A that lies in B.
+pub(crate) fn corner_of_a(vertex: usize) -> u32 {
+    pair(vertex, 0xfd)
+}
+
+/// A corner of B that lies in A.
+pub(crate) fn corner_of_b(vertex: usize) -> u32 {
+    pair(vertex, 0xfc)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,7 @@
 //! Box and hull against hull: distance while they are apart, least overlap once they are not, faces clipped.
 
+mod deep;
+
 use crate::clip::{self, SLACK};
 use crate::closest::Closest;
 use crate::direction;
@@ -49,7 +51,7 @@ pub(crate) fn collide(
         (over_faces(a, b, b_in_a, faces).or_else(crossing), None)
     } else {
         let choice = sat::least_overlap(a, b, b_in_a, faces, 2.0 * same);
-        let manifold = overlapping(a, b, b_in_a, margin, &choice);
+        let manifold = overlapping(a, b, b_in_a, margin, &choice, &mut cache.kept);
         if overlap_at(a, b, b_in_a, &manifold) {
             cache.word = direction::pack(manifold.normal);
             out.push(manifold);
@@ -73,7 +75,7 @@ pub(crate) fn collide(
         Proximity::Apart(closest) => around(a, b, b_in_a, margin, &closest),
         Proximity::Overlap => {
             let choice = choice.unwrap_or_else(|| sat::least_overlap(a, b, b_in_a, faces, 2.0 * same));
-            overlapping(a, b, b_in_a, margin, &choice)
+            overlapping(a, b, b_in_a, margin, &choice, &mut cache.kept)
         }
     };
     cache.word = direction::pack(manifold.normal);
@@ -123,15 +125,23 @@ fn between_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, edges: Axis, widest: f32
     (edges.separation > widest + rounding(a, b, b_in_a)).then(|| crossing(a, b, b_in_a, &edges, i, j))
 }
 
-/// The manifold of polyhedra that overlap.
-fn overlapping(a: &Poly, b: &Poly, b_in_a: &Isometry, margin: f32, choice: &Choice) -> Manifold {
+/// The manifold of polyhedra that overlap, of what lies over one face or the other, or of all of the overlap.
+fn overlapping(
+    a: &Poly,
+    b: &Poly,
+    b_in_a: &Isometry,
+    margin: f32,
+    choice: &Choice,
+    kept: &mut u32,
+) -> Manifold {
     let radius = a.inner_radius.min(b.inner_radius);
     let steady = choice.steady.separation;
     // The preferred face must have points to show for it.
-    overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
+    let spot = overlap(a, b, b_in_a, margin, SLACK * radius, &choice.steady)
         .filter(|m| m.deepest() <= steady + preference(radius, steady))
         .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
-        .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)))
+        .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)));
+    deep::spread(a, b, b_in_a, spot, kept)
 }
 
 /// Whether a manifold proves that its polyhedra overlap: between points half-way through the overlap lies one that is in both.

@@ -7,10 +7,12 @@
 //! A corner counts where the way to the other body lies within the normals of the sides around it, two edges where their common normal lies within those of both: there, nothing beside them is nearer.
 
 use super::SLACK;
+use super::edges::{Edge, may_cross};
 use super::gather::{Contact, FACING, NEARLY, WORTH, within};
 use super::side::{Near, Side};
 use rockfall_math::{Vec3, hash, trig};
 use rockfall_shape::{Feature, Field, SAMPLES_IN_A_BALL};
+use std::cell::Cell;
 
 /// Edges whose directions have a smaller sine of the angle between them are parallel: corners carry them.
 const PARALLEL: f32 = 0.03;
@@ -34,27 +36,6 @@ const ROUNDING: f32 = 1e-2;
 const OF_EDGES: u32 = 1 << 30;
 const OF_SAMPLES: u32 = 1 << 29;
 const OF_ONE: u32 = OF_SAMPLES - 1;
-
-/// An edge in A's frame.
-struct Edge {
-    number: u32,
-    start: Vec3,
-    end: Vec3,
-    along: Vec3,
-    out: Vec3,
-    cone: f32,
-    /// Cosine and sine of the largest angle to `out` that the common normal with another edge may have.
-    faces: [f32; 2],
-}
-
-impl Edge {
-    /// Whether two edges may have a common normal within the cones of both.
-    fn may_face(&self, other: &Edge) -> bool {
-        let ([c, s], [d, t]) = (self.faces, other.faces);
-        // Both cones together are a whole ball, or the directions are no further apart than both are wide.
-        c <= -d || -self.out.dot(other.out) >= c * d - s * t - 1e-5
-    }
-}
 
 /// Two fields.
 pub(super) struct Two<'a, 'b> {
@@ -82,7 +63,7 @@ impl Two<'_, '_> {
                 }
             }
         }
-        self.crossings(&mut edges, out);
+        self.crossings(&edges, out);
         // Where two bodies overlap and nothing else touches there is a contact, whichever way the surfaces look.
         if out.is_empty() {
             out.extend(hidden);
@@ -93,6 +74,7 @@ impl Two<'_, '_> {
     /// How far apart the two surely are, metres, which have no contact, and of whose samples none is nearer than `least`. Two bodies that rest beside each other would be looked at in every step
     /// if nothing were known but that they don't touch.
     pub(super) fn apart(&self, least: f32) -> f32 {
+        let least = if least > self.reach { self.gap() } else { least };
         let by_samples = least - SLACK * self.spacing;
         if by_samples > self.margin {
             return by_samples;
@@ -102,6 +84,30 @@ impl Two<'_, '_> {
         let mut further = Vec::new();
         Two { margin: self.margin.max(elsewhere), ..*self }.contacts(&mut further);
         further.iter().fold(elsewhere, |nearest, contact| nearest.min(contact.distance)).max(0.0)
+    }
+
+    /// How far the samples of one are from the other at least, metres, where all are out of reach: balls that are near for their size are looked into.
+    fn gap(&self) -> f32 {
+        let least = Cell::new(f32::INFINITY);
+        for k in 0..2 {
+            let (own, field, other, beyond) = self.of(k);
+            let knows = |surely: f32| least.set(least.get().min(surely));
+            let enter = |center, radius| {
+                let distance = beyond.least_distance(other.place.inverse_point(own.place.point(center)));
+                let inside = distance - radius;
+                let worth = inside < WORTH * distance;
+                if !worth {
+                    knows(inside);
+                }
+                worth
+            };
+            let points = field.samples().points();
+            field.samples().search(enter, |i| {
+                let p = own.place.point(points[i].position);
+                knows(other.distance_below(p, self.reach).unwrap_or_else(|surely| surely));
+            });
+        }
+        least.get()
     }
 
     /// Body number `k`, and the other one.
@@ -124,11 +130,10 @@ impl Two<'_, '_> {
                     return false;
                 };
                 let inside = distance - radius;
-                if inside > self.reach && inside >= WORTH * distance {
+                if inside > self.reach {
                     least = least.min(inside);
-                    return false;
                 }
-                true
+                inside <= self.reach
             },
             |i| match other.distance_below(own.place.point(points[i].position), self.reach) {
                 Ok(distance) => near.push((i, distance)),
@@ -189,41 +194,25 @@ impl Two<'_, '_> {
     fn edge(&self, k: usize, number: u32) -> Edge {
         let (own, field) = (self.sides[k], self.fields[k]);
         let edge = field.features().edges()[number as usize];
-        let [start, end] = edge.ends.map(|v| own.place.point(field.mesh().vertices[v as usize]));
+        let ends = edge.ends.map(|v| own.place.point(field.mesh().vertices[v as usize]));
         let out = own.place.vector(edge.normals.out);
         let cone = edge.normals.cone;
         let ([beside, sine], flat) = (FACING, (1.0 - cone * cone).max(0.0).sqrt());
         let open = cone <= -beside;
         let faces =
             if open { [-1.0, 0.0] } else { [cone * beside - flat * sine, flat * beside + cone * sine] };
-        Edge { number, start, end, along: end - start, out, cone, faces }
+        Edge { number, ends, out, cone, faces }
     }
 
-    /// All crossings; of the second body's edges, which are sorted along x, only those are tried that may reach so far.
-    fn crossings(&self, [ones, twos]: &mut [Vec<Edge>; 2], out: &mut Vec<Contact>) {
-        twos.sort_by(|one, two| one.start.x.total_cmp(&two.start.x).then(one.number.cmp(&two.number)));
+    fn crossings(&self, [ones, twos]: &[Vec<Edge>; 2], out: &mut Vec<Contact>) {
         let most = self.margin.max(OVERLAP * self.spacing);
-        let widest = twos.iter().fold(0.0_f32, |widest, two| widest.max(two.along.length()));
-        for one in ones {
-            let middle = one.start + 0.5 * one.along;
-            let width = one.along.x.abs() + widest + most;
-            let (low, high) = (middle.x - width, middle.x + width);
-            let from = twos.partition_point(|two| two.start.x < low);
-            for two in twos[from..].iter().take_while(|two| two.start.x <= high) {
-                if !one.may_face(two) {
-                    continue;
-                }
-                let far = 0.5 * (one.along.length() + two.along.length()) + most;
-                if middle.distance_squared(two.start + 0.5 * two.along) <= far * far {
-                    out.extend(self.crossing(one, two));
-                }
-            }
-        }
+        let pairs = may_cross(ones, twos, most);
+        out.extend(pairs.into_iter().filter_map(|[i, j]| self.crossing(&ones[i], &twos[j])));
     }
 
     /// The contact of two edges that cross.
     fn crossing(&self, one: &Edge, two: &Edge) -> Option<Contact> {
-        let (on_one, on_two, normal) = crossing([one.start, one.end], [two.start, two.end], one.out, 0.0)?;
+        let (on_one, on_two, normal) = crossing(one.ends, two.ends, one.out, 0.0)?;
         let distance = normal.dot(on_two - on_one);
         let faces = |edge: &Edge, cosine: f32| within(cosine, edge.cone, FACING);
         if distance > self.margin || !faces(one, normal.dot(one.out)) || !faces(two, -normal.dot(two.out)) {

@@ -1,8 +1,11 @@
 //! One of the two shapes, in its place.
 
 use crate::point::nearest_point;
-use rockfall_math::{Isometry, Vec3};
-use rockfall_shape::{Field, Shape};
+use rockfall_math::{DVec3, Isometry, Vec3};
+use rockfall_shape::{Field, NearestOnMesh, Shape};
+
+/// A field mostly errs by less than this share of what it may: there the mesh is searched first.
+const LIKELY: f32 = 0.25;
 
 /// A shape in A's frame.
 pub(super) struct Side<'a> {
@@ -84,8 +87,7 @@ impl<'a> Side<'a> {
     /// The exact signed distance of a point from the mesh of a field, which says that it is `about` so much.
     pub(super) fn exact_distance(&self, p: Vec3, about: f32) -> Option<f32> {
         let field = self.field()?;
-        let limit = about.abs() + field.bound(about);
-        let near = field.mesh().nearest(self.place.inverse_point(p).as_dvec3(), f64::from(limit))?;
+        let near = nearest_about(field, self.place.inverse_point(p).as_dvec3(), about)?;
         Some(near.distance as f32)
     }
 
@@ -94,7 +96,7 @@ impl<'a> Side<'a> {
         let field = self.field()?;
         let own = self.place.inverse_point(p).as_dvec3();
         let limit = f64::from(about.abs() + field.bound(about));
-        let near = field.mesh().nearest(own, limit)?;
+        let near = nearest_about(field, own, about)?;
         // Next to the surface the way is rounding.
         let way = (own - near.point).normalize_or_zero() * near.distance.signum();
         let normal = if near.distance.abs() > 1e-3 * limit { way } else { near.normal };
@@ -119,4 +121,10 @@ impl<'a> Side<'a> {
         };
         Some(Near { distance, normal: self.place.vector(normal) })
     }
+}
+
+/// The point of a field's mesh that is nearest to one which the field says to be `about` so far off.
+fn nearest_about(field: &Field, p: DVec3, about: f32) -> Option<NearestOnMesh> {
+    let within = |limit: f32| field.mesh().nearest(p, f64::from(limit));
+    within(about.abs() + LIKELY * field.settings().error).or_else(|| within(about.abs() + field.bound(about)))
 }

@@ -3,7 +3,7 @@
 use crate::brute_force::{manifold, size};
 use crate::common::{Random, at_size};
 use rockfall_collide::{Cache, Manifold, collide, distance};
-use rockfall_math::{DVec3, Isometry, Mat3, Pose, Quat, Vec3, rotation};
+use rockfall_math::{DVec3, Isometry, Mat3, Pose, Quat, Vec3, rotation, trig};
 use rockfall_shape::{Hull, Shape};
 use std::sync::Arc;
 
@@ -49,6 +49,34 @@ fn a_cube_on_a_cube_keeps_its_face_and_four_points() {
                 assert_eq!(*names.get_or_insert(ids(&m)), ids(&m), "{tilt} {m:?}");
             }
         }
+    }
+}
+
+/// Coins with round rims, one a centimetre deep in the other and a little askew: the way out is that of a small face of a rim, and held there alone they would turn about
+/// it into each other.
+#[test]
+fn a_deep_overlap_is_held_all_over() {
+    let rim = (0..39).flat_map(|i| (0..64).map(move |k| (i, k))).map(|(i, k)| {
+        let (up, out) = trig::sin_cos(std::f32::consts::TAU * i as f32 / 39.0);
+        let (y, x) = trig::sin_cos(std::f32::consts::TAU * k as f32 / 64.0);
+        let radius = 0.035 + 0.015 * out;
+        Vec3::new(radius * x, radius * y, 0.015 * up)
+    });
+    let coin = Shape::Hull(Arc::new(Hull::from_points_at_most(&rim.collect::<Vec<_>>(), 32).unwrap()));
+    let mut random = Random(11);
+    for _ in 0..200 {
+        let spin = turned(Vec3::Z, random.between(-3.0, 3.0));
+        let askew = turned(Vec3::new(random.between(-1.0, 1.0), 1.0, 0.0), random.between(-0.1, 0.1));
+        let aside = Vec3::new(random.between(-0.01, 0.01), random.between(-0.01, 0.01), 0.02);
+        let pose = at(aside, rotation::compose(askew, spin));
+        let m = manifold(&coin, &coin, &pose, 1e-3).unwrap();
+        let depth = -distance(&coin, &coin, &pose).unwrap().distance;
+        assert!((m.deepest() + depth).abs() < 0.01 * (depth + coin.inner_radius()) + 1e-6, "{depth} {m:?}");
+        let span = m.points().iter().flat_map(|p| m.points().iter().map(|q| p.position.distance(q.position)));
+        let span = span.fold(0.0, f32::max);
+        assert!(m.count >= 3 && span > 0.03, "{span} {m:?}");
+        // Along the normal each is as deep as that corner is, or a little deeper.
+        assert!(m.points().iter().all(|p| p.distance < 0.0), "{m:?}");
     }
 }
 

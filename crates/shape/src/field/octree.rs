@@ -41,7 +41,14 @@ pub(super) struct Spot {
 impl Octree {
     /// Highest corner, metres.
     pub(super) fn end(&self) -> Vec3 {
-        self.origin + self.cell * Vec3::from(self.size.map(|n| n as f32))
+        self.origin + self.cell * self.extent()
+    }
+
+    /// Large cells along x, y, z.
+    #[inline]
+    fn extent(&self) -> Vec3 {
+        // Not by a loop over the three, which is a call for each place that is looked up.
+        Vec3::new(self.size[0] as f32, self.size[1] as f32, self.size[2] as f32)
     }
 
     pub(super) fn scaled(&self, by: f32) -> Self {
@@ -60,7 +67,7 @@ impl Octree {
     /// The leaf that holds a point of the covered box; one outside is taken to its nearest.
     #[inline]
     pub(super) fn spot(&self, p: Vec3) -> Spot {
-        let size = Vec3::from(self.size.map(|n| n as f32));
+        let size = self.extent();
         let scaled = ((p - self.origin) / self.cell).clamp(Vec3::ZERO, size);
         // None is negative; to cut the fraction off is faster than `floor`, which is a call where a processor may lack it.
         let whole = scaled.map(|x| x as u32 as f32).min(size - 1.0);
