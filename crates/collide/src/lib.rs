@@ -65,7 +65,8 @@ use rockfall_shape::Shape;
 /// `b_in_a` places B in A's frame, and all of the result is in A's frame.
 ///
 /// `cache` belongs to the pair. It makes the next call faster, and keeps the face and the corners of two boxes while others are no better:
-/// by 0.06 % of the smaller box's largest half extent and 0.15 % of the overlap, of corners by a fourth of a thousandth of their span. Two half-spaces have no
+/// by 0.06 % of the smaller box's largest half extent and 0.15 % of the overlap, of corners by a fourth of a thousandth of their span; and, where boxes and hulls
+/// overlap deeply, the corners that hold them. Two half-spaces have no
 /// manifold, and neither has a shape in a place that is not finite. Of shapes that are further than 1e7 m from each other
 /// single precision tells nothing, and the result may be anything.
 ///

@@ -221,14 +221,16 @@ fn heaps_of_needles_and_plates_gain_no_energy() {
 
 /// What is asked of heaps: at rest after ten seconds.
 #[test]
-#[ignore = "missed at 60 Hz: plates go on at 44 to 97 mm/s, a few rods, needles and blades of a heap at up to 50"]
+#[ignore = "missed at 60 Hz: plates go on at 42 to 97 mm/s, a few rods, needles and blades of a heap at up to 40"]
 fn heaps_of_needles_and_plates_come_to_rest() {
     for (name, shape) in sharp() {
         if ["rod of a hull", "plate of a hull", "needle", "blade"].contains(&name) {
             let flat = ["plate of a hull", "blade"].contains(&name);
-            let late = heap(&shape, flat, 1, 60.0, 12).late;
-            println!("{name}: {late:?}");
-            assert!(late[19] < 5e-3, "{name}: {late:?}");
+            for seed in 1..=3 {
+                let late = heap(&shape, flat, seed, 60.0, 12).late;
+                println!("{name}, seed {seed}: {late:?}");
+                assert!(late[19] < 5e-3, "{name}, seed {seed}: {late:?}");
+            }
         }
     }
 }

@@ -4,9 +4,6 @@ use crate::point::nearest_point;
 use rockfall_math::{DVec3, Isometry, Vec3};
 use rockfall_shape::{Field, NearestOnMesh, Shape};
 
-/// A field mostly errs by less than this share of what it may: there the mesh is searched first.
-const LIKELY: f32 = 0.25;
-
 /// A shape in A's frame.
 pub(super) struct Side<'a> {
     pub(super) shape: &'a Shape,
@@ -125,6 +122,5 @@ impl<'a> Side<'a> {
 
 /// The point of a field's mesh that is nearest to one which the field says to be `about` so far off.
 fn nearest_about(field: &Field, p: DVec3, about: f32) -> Option<NearestOnMesh> {
-    let within = |limit: f32| field.mesh().nearest(p, f64::from(limit));
-    within(about.abs() + LIKELY * field.settings().error).or_else(|| within(about.abs() + field.bound(about)))
+    field.mesh().nearest(p, f64::from(about.abs() + field.bound(about)))
 }

@@ -20,6 +20,12 @@ const STILL: f32 = 0.5;
 /// Corners may hide this share of the depth and of the inner radius.
 const HIDDEN: f32 = 0.01;
 
+/// Corners that are less far apart than this share of the points over the face are at one end of the overlap.
+const WIDE: f32 = 0.5;
+
+/// Bodies whose inner radius is a smaller share of the way from their middle to a corner are thin.
+const THIN: f32 = 0.03;
+
 /// Fewer corners than these span no area.
 const FEWEST: usize = 3;
 
@@ -31,7 +37,7 @@ pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, kept
     let radius = a.inner_radius.min(b.inner_radius);
     let deep = DEEP * radius;
     let before = std::mem::take(kept);
-    if spot.deepest() >= if before == 0 { -deep } else { -STILL * deep } {
+    if spot.deepest() >= if before == 0 { -deep } else { -STILL * deep } || is_thin(a) || is_thin(b) {
         return spot;
     }
     let mut points = corners(a, b, b_in_a, spot.normal);
@@ -45,10 +51,27 @@ pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, kept
     let digests = before.to_le_bytes();
     let was_kept = |name| digests.contains(&digest(name));
     let manifold = reduce_keeping(spot.normal, &points, start(spot.normal), 0.0, was_kept);
+    // A rod that lies across an edge is held by more than the corners of its end.
+    if span(&manifold) < WIDE * span(&spot) {
+        return spot;
+    }
     let mut names = [0; 4];
     names.iter_mut().zip(manifold.points()).for_each(|(name, p)| *name = digest(p.feature));
     *kept = u32::from_le_bytes(names);
     manifold
+}
+
+/// Plates and needles overlap by their thickness whenever they touch hard, and no corner says where.
+fn is_thin(poly: &Poly) -> bool {
+    poly.inner_radius < THIN * poly.vertices[0].distance(poly.center)
+}
+
+/// The largest distance of two points, metres.
+fn span(manifold: &Manifold) -> f32 {
+    let points = manifold.points();
+    let far =
+        |p: &ContactPoint| points.iter().fold(0.0_f32, |far, q| far.max(p.position.distance(q.position)));
+    points.iter().fold(0.0, |span, p| span.max(far(p)))
 }
 
 /// Corners of each that are in the other one, half-way on their way out along `normal`, which looks from A to B.
