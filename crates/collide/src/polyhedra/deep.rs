@@ -5,10 +5,12 @@
 //! Four of them stay while others are no better, since each is a spring to the solver.
 
 use crate::manifold::digest;
-use crate::poly::Poly;
+use crate::poly::{Poly, smallest};
 use crate::reduce::{reduce_keeping, start};
 use crate::{ContactPoint, Manifold, feature};
+use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
 use rockfall_math::{Isometry, Vec3};
+use rockfall_shape::HULL_LANES;
 use smallvec::SmallVec;
 
 /// Polyhedra that overlap by more than this share of the smaller inner radius overlap deeply.
@@ -77,36 +79,80 @@ fn span(manifold: &Manifold) -> f32 {
 /// Corners of each that are in the other one, half-way on their way out along `normal`, which looks from A to B.
 fn corners(a: &Poly, b: &Poly, b_in_a: &Isometry, normal: Vec3) -> SmallVec<[ContactPoint; 24]> {
     let down = -b_in_a.inverse_vector(normal);
-    // The highest of A and the lowest of B, each in its own frame.
-    let (top, bottom) = (a.reach(normal), b.reach(down));
-    let shift = normal.dot(b_in_a.translation);
-    let mut points = SmallVec::new();
-    for (k, &v) in b.vertices.iter().enumerate().filter(|(_, v)| shift - down.dot(**v) <= top) {
-        let p = b_in_a.point(v);
-        let Some(depth) = way_out(a, p, normal) else { continue };
-        let position = p + 0.5 * depth * normal;
-        points.push(ContactPoint { position, distance: -depth, feature: feature::corner_of_b(k) });
-    }
-    for (k, &p) in a.vertices.iter().enumerate().filter(|(_, p)| normal.dot(**p) >= shift - bottom) {
-        let Some(depth) = way_out(b, b_in_a.inverse_point(p), down) else { continue };
-        let position = p - 0.5 * depth * normal;
-        points.push(ContactPoint { position, distance: -depth, feature: feature::corner_of_a(k) });
-    }
+    // No corner of B is in A that is above its highest, and none of A in B that is below its lowest.
+    let (top, bottom) = (a.reach(normal), normal.dot(b_in_a.translation) - b.reach(down));
+    let placed = |(k, &v): (usize, &Vec3)| (k, b_in_a.point(v));
+    let of_b: Corners =
+        b.vertices.iter().enumerate().map(placed).filter(|c| normal.dot(c.1) <= top).collect();
+    let of_a = a.vertices.iter().copied().enumerate().filter(|c| normal.dot(c.1) >= bottom);
+    let of_a: Corners = of_a.map(|(k, v)| (k, b_in_a.inverse_point(v))).collect();
+    let width = Width::native();
+    let up = width.run(WaysOut { poly: a, along: normal, corners: &of_b });
+    let point = |k: usize, p: Vec3, depth: f32, way: Vec3| {
+        let feature = if way == normal { feature::corner_of_b(k) } else { feature::corner_of_a(k) };
+        ContactPoint { position: p + 0.5 * depth * way, distance: -depth, feature }
+    };
+    let mut points: SmallVec<[ContactPoint; 24]> =
+        up.into_iter().map(|(i, depth)| point(of_b[i].0, of_b[i].1, depth, normal)).collect();
+    let out = width.run(WaysOut { poly: b, along: down, corners: &of_a });
+    points.extend(out.into_iter().map(|(i, depth)| {
+        let k = of_a[i].0;
+        point(k, a.vertices[k], depth, -normal)
+    }));
     points
 }
 
-/// How far a point in a polyhedron has to go along a direction (unit) until it is outside, metres; nothing for one that is outside.
-fn way_out(poly: &Poly, p: Vec3, along: Vec3) -> Option<f32> {
-    let mut least = f32::INFINITY;
-    for (normal, offset) in poly.normals.iter().zip(poly.offsets) {
-        let below = offset - normal.dot(p);
-        if below < 0.0 {
-            return None;
+/// Numbers of corners, and where they are.
+type Corners = SmallVec<[(usize, Vec3); 32]>;
+
+/// How far those of some points that are in a polyhedron have to go along a direction (unit) until they are outside: their places in the list, and metres.
+struct WaysOut<'a> {
+    poly: &'a Poly<'a>,
+    along: Vec3,
+    corners: &'a [(usize, Vec3)],
+}
+
+impl Kernel for WaysOut<'_> {
+    type Output = SmallVec<[(usize, f32); 24]>;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, token: L::Token) -> Self::Output {
+        let zero = L::splat(token, 0.0);
+        let (one, never) = (L::splat(token, 1.0), L::splat(token, f32::INFINITY));
+        let along = Lanes3::<L>::splat(token, self.along);
+        // By a metre below a face the way out over it is so long; nothing where it has no end.
+        let mut lengths: SmallVec<[[f32; HULL_LANES]; 8]> = SmallVec::new();
+        for face in self.poly.face_blocks {
+            let mut to = [0.0; HULL_LANES];
+            for l in (0..HULL_LANES).step_by(L::WIDTH) {
+                let row = |k: usize| L::load(token, &face[k][l..]);
+                let cosine = Lanes3::new(row(0), row(1), row(2)).dot(along);
+                L::select(L::splat(token, ALONG).lt(cosine), one / cosine, zero).store(&mut to[l..]);
+            }
+            lengths.push(to);
         }
-        let cosine = normal.dot(along);
-        if cosine > ALONG {
-            least = least.min(below / cosine);
+        let mut ways = SmallVec::new();
+        'corners: for (i, &(_, corner)) in self.corners.iter().enumerate() {
+            let p = Lanes3::<L>::splat(token, corner);
+            let mut least = never;
+            for (face, length) in self.poly.face_blocks.iter().zip(&lengths) {
+                for l in (0..HULL_LANES).step_by(L::WIDTH) {
+                    let row = |k: usize| L::load(token, &face[k][l..]);
+                    let below = row(3) - Lanes3::new(row(0), row(1), row(2)).dot(p);
+                    if L::bits(below.lt(zero)) != 0 {
+                        continue 'corners;
+                    }
+                    let length = L::load(token, &length[l..]);
+                    least = L::select(zero.lt(length), below * length, never).min(least);
+                }
+            }
+            let mut all = [f32::INFINITY; HULL_LANES];
+            least.store(&mut all);
+            let least = smallest(&all);
+            if least.is_finite() {
+                ways.push((i, least));
+            }
         }
+        ways
     }
-    least.is_finite().then_some(least)
 }
