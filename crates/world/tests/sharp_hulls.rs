@@ -172,8 +172,8 @@ fn coin() -> Shape {
     Shape::Hull(Arc::new(Hull::from_points_at_most(&rim.collect::<Vec<_>>(), 32).expect("a coin")))
 }
 
-/// Promise: coins that are poured into a well, thirty layers, come to lie: they don't press each other in by half of their thickness, and don't go on
-/// rocking at 5 cm/s, as they did while deep overlaps were held at one spot.
+/// Promise: coins that are poured into a well, thirty layers, come to lie: they don't press each other in by more than half of their thickness, and don't go on
+/// rocking (1 J), as they did while deep overlaps were held at one spot.
 #[test]
 fn coins_come_to_rest_in_a_well() {
     let settings = Settings { substeps: 4, threads: 2, sleeping: false, ..Settings::default() };
@@ -223,14 +223,19 @@ fn heaps_of_needles_and_plates_gain_no_energy() {
 #[test]
 #[ignore = "missed at 60 Hz: plates go on at 42 to 97 mm/s, a few rods, needles and blades of a heap at up to 40"]
 fn heaps_of_needles_and_plates_come_to_rest() {
+    let mut restless = Vec::new();
     for (name, shape) in sharp() {
-        if ["rod of a hull", "plate of a hull", "needle", "blade"].contains(&name) {
+        if !["rod of a hull", "plate of a hull", "needle", "blade"].contains(&name) {
+            continue;
+        }
+        for seed in 1..=3 {
             let flat = ["plate of a hull", "blade"].contains(&name);
-            for seed in 1..=3 {
-                let late = heap(&shape, flat, seed, 60.0, 12).late;
-                println!("{name}, seed {seed}: {late:?}");
-                assert!(late[19] < 5e-3, "{name}, seed {seed}: {late:?}");
+            let late = heap(&shape, flat, seed, 60.0, 12).late;
+            println!("{name}, seed {seed}: {:.1e} m/s, half of them {:.1e}", late[19], late[9]);
+            if late[19] >= 5e-3 {
+                restless.push((name, seed));
             }
         }
     }
+    assert!(restless.is_empty(), "{restless:?}");
 }

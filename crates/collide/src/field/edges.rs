@@ -107,3 +107,53 @@ impl Kernel for Pairs<'_> {
         pairs
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rockfall_math::hash;
+
+    /// Short edges in a box of 2 cm, with any cone.
+    fn edges(seed: u64, count: u32) -> Vec<Edge> {
+        let number = |k: u64| (hash::mix(seed << 32 | k) >> 40) as f32 / (1 << 23) as f32 - 1.0;
+        let vector = |k: u64| Vec3::new(number(k), number(k + 1), number(k + 2));
+        let edge = |number_of: u32| {
+            let k = 16 * u64::from(number_of);
+            let start = 0.01 * vector(k);
+            let angle = 1.6 * (number(k + 9) + 1.0);
+            let (sin, cos) = rockfall_math::trig::sin_cos(angle);
+            Edge {
+                number: number_of,
+                ends: [start, start + 0.003 * vector(k + 3)],
+                out: vector(k + 6).normalize_or(Vec3::Z),
+                cone: cos,
+                faces: if angle < 3.0 { [cos, sin] } else { [-1.0, 0.0] },
+            }
+        };
+        (0..count).map(edge).collect()
+    }
+
+    #[test]
+    fn pairs_are_those_that_one_by_one_would_be() {
+        for (seed, [m, n]) in [[1, 1], [3, 16], [40, 17], [25, 70], [0, 5], [5, 0]].into_iter().enumerate() {
+            let (ones, twos) = (edges(2 * seed as u64, m), edges(2 * seed as u64 + 1, n));
+            let most = 0.004;
+            let mut found = may_cross(&ones, &twos, most);
+            found.sort_unstable();
+            let may = |one: &Edge, two: &Edge| {
+                let far = one.half_length() + two.half_length() + most;
+                let ([c, s], [d, t]) = (one.faces, two.faces);
+                let facing = c <= -d || -one.out.dot(two.out) >= c * d - s * t - ROUNDING;
+                facing && one.middle().distance(two.middle()) <= far
+            };
+            let mut wanted = Vec::new();
+            for (i, one) in ones.iter().enumerate() {
+                wanted.extend(
+                    (0..twos.len()).filter(|&j| may(one, &twos[j])).map(|j| [i, j]),
+                );
+            }
+            assert_eq!(found, wanted, "{m} and {n}");
+            assert!(wanted.len() < (m * n) as usize || m * n < 50);
+        }
+    }
+}

@@ -14,7 +14,7 @@ use rockfall_shape::HULL_LANES;
 use smallvec::SmallVec;
 
 /// Polyhedra that overlap by more than this share of the smaller inner radius overlap deeply.
-const DEEP: f32 = 0.03;
+const DEEP: f32 = 0.1;
 
 /// And go on to do so down to this share of that.
 const STILL: f32 = 0.5;

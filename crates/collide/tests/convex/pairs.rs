@@ -341,7 +341,7 @@ fn a_used_cache_changes_no_bit_but_of_two_boxes_and_deep_overlaps() {
                 if !boxes && !planes {
                     let angular = |shape: &Shape| matches!(shape, Shape::Box { .. } | Shape::Hull(_));
                     let deep = match angular(&a) && angular(&b) {
-                        true => -0.015 * a.inner_radius().min(b.inner_radius()),
+                        true => -0.05 * a.inner_radius().min(b.inner_radius()),
                         false => f32::NEG_INFINITY,
                     };
                     walk(&mut random, (&a, &b), 0.1, |used, fresh| {
