@@ -148,9 +148,7 @@ mod tests {
             };
             let mut wanted = Vec::new();
             for (i, one) in ones.iter().enumerate() {
-                wanted.extend(
-                    (0..twos.len()).filter(|&j| may(one, &twos[j])).map(|j| [i, j]),
-                );
+                wanted.extend((0..twos.len()).filter(|&j| may(one, &twos[j])).map(|j| [i, j]));
             }
             assert_eq!(found, wanted, "{m} and {n}");
             assert!(wanted.len() < (m * n) as usize || m * n < 50);
