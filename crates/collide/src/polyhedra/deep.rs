@@ -88,18 +88,17 @@ fn corners(a: &Poly, b: &Poly, b_in_a: &Isometry, normal: Vec3) -> SmallVec<[Con
     let of_a: Corners = of_a.map(|(k, v)| (k, b_in_a.inverse_point(v))).collect();
     let width = Width::native();
     let up = width.run(WaysOut { poly: a, along: normal, corners: &of_b });
-    let point = |k: usize, p: Vec3, depth: f32, way: Vec3| {
-        let feature = if way == normal { feature::corner_of_b(k) } else { feature::corner_of_a(k) };
-        ContactPoint { position: p + 0.5 * depth * way, distance: -depth, feature }
-    };
-    let mut points: SmallVec<[ContactPoint; 24]> =
-        up.into_iter().map(|(i, depth)| point(of_b[i].0, of_b[i].1, depth, normal)).collect();
     let out = width.run(WaysOut { poly: b, along: down, corners: &of_a });
-    points.extend(out.into_iter().map(|(i, depth)| {
-        let k = of_a[i].0;
-        point(k, a.vertices[k], depth, -normal)
-    }));
-    points
+    let point = |feature: u32, p: Vec3, depth: f32, way: Vec3| ContactPoint {
+        position: p + 0.5 * depth * way,
+        distance: -depth,
+        feature,
+    };
+    let of_b = up.into_iter().map(|(i, depth)| (of_b[i], depth));
+    let of_b = of_b.map(|((k, p), depth)| point(feature::corner_of_b(k), p, depth, normal));
+    let of_a = out.into_iter().map(|(i, depth)| (of_a[i].0, depth));
+    let of_a = of_a.map(|(k, depth)| point(feature::corner_of_a(k), a.vertices[k], depth, -normal));
+    of_b.chain(of_a).collect()
 }
 
 /// Numbers of corners, and where they are.
