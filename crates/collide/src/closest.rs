@@ -3,6 +3,9 @@
 use crate::{ContactPoint, Manifold};
 use rockfall_math::{Isometry, Vec3};
 
+/// Along a shorter way than this, in metres, there is no direction: its square is less than single precision holds exactly.
+pub(crate) const CONCENTRIC: f32 = 1e-18;
+
 /// Signed distance of two shapes and where it is taken, in the frame of shape A.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {

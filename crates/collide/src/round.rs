@@ -1,6 +1,6 @@
 //! Spheres and capsules among themselves: closed forms around the nearest points of their cores.
 
-use crate::closest::Closest;
+use crate::closest::{CONCENTRIC, Closest};
 use crate::feature;
 use crate::segments;
 use crate::{ContactPoint, Manifold};
@@ -37,7 +37,7 @@ const ASIDE: f32 = 0.1;
 pub(crate) fn spheres(a: f32, b: f32, b_in_a: &Isometry) -> Closest {
     let distance = b_in_a.translation.length();
     // Concentric spheres may part in any direction.
-    let normal = if distance > 0.0 { b_in_a.translation / distance } else { Vec3::Z };
+    let normal = if distance > CONCENTRIC { b_in_a.translation / distance } else { Vec3::Z };
     let core = Closest {
         distance,
         normal,
@@ -54,7 +54,7 @@ pub(crate) fn capsule_sphere(a: Capsule, b: f32, b_in_a: &Isometry) -> Closest {
     let on_core = Vec3::new(0.0, 0.0, center.z.clamp(-a.half_length, a.half_length));
     let between = center - on_core;
     let distance = between.length();
-    let normal = if distance > 0.0 { between / distance } else { Vec3::X };
+    let normal = if distance > CONCENTRIC { between / distance } else { Vec3::X };
     let feature = feature::pair(height_name(a, center.z), 0);
     Closest { distance, normal, on_a: on_core, on_b: center, feature }.with_skins(a.radius, b)
 }

@@ -1,6 +1,6 @@
 //! A box and a sphere: the closed form.
 
-use crate::closest::Closest;
+use crate::closest::{CONCENTRIC, Closest};
 use crate::feature;
 use rockfall_math::Vec3;
 
@@ -9,7 +9,7 @@ pub(crate) fn point(half: Vec3, p: Vec3) -> Closest {
     let on_box = p.clamp(-half, half);
     let between = p - on_box;
     let distance = between.length();
-    if distance > 0.0 {
+    if distance > CONCENTRIC {
         let feature = feature::pair(region(between), 0);
         return Closest { distance, normal: between / distance, on_a: on_box, on_b: p, feature };
     }

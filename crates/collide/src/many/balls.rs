@@ -3,7 +3,7 @@
 //! The core of a ball is a point, of a capsule a segment, of a box the box: each is a box, of which some extents are nothing.
 
 use super::{Found, Meeting, SIDE};
-use crate::closest::Closest;
+use crate::closest::{CONCENTRIC, Closest};
 use crate::convex::{put, within};
 use crate::feature;
 use crate::round::{Capsule, height_name};
@@ -87,7 +87,7 @@ impl Balls {
             let Some((core, radius, middle, is_a)) = parts(&pair) else { continue };
             let distance = ways.distance[lane];
             // In the core, or to the bit on it, there is no way to go along.
-            if distance.is_nan() || distance <= 0.0 {
+            if distance.is_nan() || distance <= CONCENTRIC {
                 found.one(i, &pair);
                 continue;
             }

@@ -114,6 +114,19 @@ fn bodies_beyond_all_numbers_end_nothing() {
 }
 
 #[test]
+fn balls_that_are_nearly_concentric_part_along_a_unit_normal() {
+    let ball = Shape::Sphere { radius: 1.0 };
+    let capsule = Shape::Capsule { half_length: 0.5, radius: 0.2 };
+    for power in 15..45 {
+        let pose = at(Vec3::new(-1e-4, 1.0, 0.0) * 10.0_f32.powi(-power), Quat::IDENTITY);
+        for other in [&ball, &capsule] {
+            let m = manifold(other, &ball, &pose, 0.0).unwrap();
+            assert!((m.normal.length() - 1.0).abs() < 1e-5, "{power} {m:?}");
+        }
+    }
+}
+
+#[test]
 fn every_pair_at_the_same_place_has_a_finite_manifold() {
     let mut random = Random(3);
     for first in 0..5 {
