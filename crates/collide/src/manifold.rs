@@ -25,12 +25,12 @@ pub struct ContactPoint {
 }
 
 /// What a pair function remembers from one step to the next: a guess that makes it faster; of two boxes, also as parts of compounds, which face and corners
-/// made the last manifold; of fields and meshes which points were kept. Those make the next one too while others are no better, so that a contact at rest does not change its mind.
+/// made the last manifold; of fields and meshes, and of boxes and hulls that overlap deeply, which points were kept. Those make the next one too while others are no better, so that a contact at rest does not change its mind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cache {
     /// Opaque to everyone but the pair function that wrote it.
     pub word: u32,
-    /// Of compounds, fields and meshes: digests of the names of the points that were kept, a byte each.
+    /// Of compounds, fields and meshes, and of boxes and hulls that overlap deeply: digests of the names of the points that were kept, a byte each.
     pub kept: u32,
 }
 
@@ -39,7 +39,19 @@ pub(crate) fn digest(name: u32) -> u8 {
     ((hash::mix(u64::from(name)) >> 56) as u8).max(1)
 }
 
+/// Whether a name is among some of which there are digests, as [`Manifold::digests`] has them.
+pub(crate) fn is_among(digests: u32, name: u32) -> bool {
+    digests.to_le_bytes().contains(&digest(name))
+}
+
 impl Manifold {
+    /// Digests of the names of the points, a byte each, 0 for none.
+    pub(crate) fn digests(&self) -> u32 {
+        let mut digests = [0; 4];
+        digests.iter_mut().zip(self.points()).for_each(|(to, p)| *to = digest(p.feature));
+        u32::from_le_bytes(digests)
+    }
+
     /// The points that are set.
     pub fn points(&self) -> &[ContactPoint] {
         &self.points[..self.count as usize]

@@ -3,7 +3,7 @@
 //! The test runs this very file once more, under valgrind, and reads what each of the functions below has cost with everything that it calls. Valgrind knows
 //! AVX2 but not AVX-512, so 4 lanes (SSE2, on every x86) and 8 (AVX2) are counted.
 
-// Compiled for the release profile alone: every kernel in every width once more takes minutes, and the development profile counts what nobody ships.
+// Compiled for the release profile alone: every kernel in every width once more takes a hundred seconds, and the development profile counts what nobody ships.
 #![cfg(all(target_os = "linux", target_arch = "x86_64", not(debug_assertions)))]
 
 use rockfall_math::lanes::Width;

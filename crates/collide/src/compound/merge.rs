@@ -5,7 +5,7 @@
 //!
 //! Of the first manifold that leaves points out, the pair remembers which it kept: chosen anew in every step, points take turns with those that are left out, and what lies on them rattles.
 
-use crate::manifold::digest;
+use crate::manifold::is_among;
 use crate::reduce::{reduce_keeping, reduce_within, start};
 use crate::{ContactPoint, Manifold};
 use smallvec::SmallVec;
@@ -23,7 +23,7 @@ const EQUAL_DEPTH: f32 = 2.5e-4;
 /// less than that of depths. `kept`, if points are to stay, has the digests of those that were kept in the last step, 0 for none, and gets those of this one.
 pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, mut kept: Option<&mut u32>) {
     let before = kept.as_deref_mut().map_or(0, std::mem::take);
-    let was_kept = |name: u32| before.to_ne_bytes().contains(&digest(name));
+    let was_kept = |name: u32| is_among(before, name);
     if manifolds.len() < first + 2 {
         return;
     }
@@ -54,7 +54,7 @@ pub(super) fn merge(manifolds: &mut Vec<Manifold>, first: usize, mut kept: Optio
             Some(kept) => {
                 let merged = reduce_keeping(one.normal, &points, from, tie, was_kept);
                 if **kept == 0 && points.len() > 4 {
-                    **kept = u32::from_ne_bytes(merged.points.map(|p| digest(p.feature)));
+                    **kept = merged.digests();
                 }
                 merged
             }

@@ -4,7 +4,7 @@
 //! overlap grows. Coins of 3 cm came to overlap by 2 cm in a heap, and rocked for ever. So here the corners of each that are in the other one are the points: along the common normal, each is as deep as it has to go to leave.
 //! Four of them stay while others are no better, since each is a spring to the solver.
 
-use crate::manifold::digest;
+use crate::manifold::is_among;
 use crate::poly::{Poly, smallest};
 use crate::reduce::{reduce_keeping, start};
 use crate::{ContactPoint, Manifold, feature};
@@ -50,16 +50,13 @@ pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, kept
     let shown = points.iter().fold(f32::INFINITY, |least, p| least.min(p.distance));
     let hidden = (shown - (1.0 - HIDDEN) * spot.deepest() - HIDDEN * radius).max(0.0);
     points.iter_mut().for_each(|p| p.distance -= hidden);
-    let digests = before.to_le_bytes();
-    let was_kept = |name| digests.contains(&digest(name));
+    let was_kept = |name| is_among(before, name);
     let manifold = reduce_keeping(spot.normal, &points, start(spot.normal), 0.0, was_kept);
     // A rod that lies across an edge is held by more than the corners of its end.
     if span(&manifold) < WIDE * span(&spot) {
         return spot;
     }
-    let mut names = [0; 4];
-    names.iter_mut().zip(manifold.points()).for_each(|(name, p)| *name = digest(p.feature));
-    *kept = u32::from_le_bytes(names);
+    *kept = manifold.digests();
     manifold
 }
 
