@@ -92,7 +92,7 @@ pub(crate) struct RunArgs {
     /// Threads [default: as many as the machine has]. Never changes the result.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(crate) threads: Option<u16>,
-    /// SIMD lanes [default: as many as the machine has]. Never changes the result.
+    /// SIMD lanes, no more than the machine has [default: as many]. Never changes the result.
     #[arg(long, value_name = "N", value_parser = lanes)]
     pub(crate) lanes: Option<usize>,
     /// How contacts are answered [default: the scene's].

@@ -300,8 +300,8 @@ fn over_best_face(a: &Poly, core: [Vec3; 2], (f, separation): (usize, f32)) -> (
 fn best_edge<L: Lanes>(token: L::Token, a: &Poly, core: [Vec3; 2], floor: f32) -> Option<Closest> {
     let direction = core[1] - core[0];
     let mut best: Option<Closest> = None;
-    for i in sat::open::<L>(token, a, core[0].midpoint(core[1]), 0.0, floor) {
-        let e = &a.edges[i as usize];
+    for i in sat::open::<L>(token, a, core[0].midpoint(core[1]), 0.0, floor).numbers() {
+        let e = &a.edges[i];
         let left = a.normals[e.faces[0] as usize].dot(direction);
         let right = a.normals[e.faces[1] as usize].dot(direction);
         if left * right >= 0.0 {
@@ -311,7 +311,7 @@ fn best_edge<L: Lanes>(token: L::Token, a: &Poly, core: [Vec3; 2], floor: f32) -
         let Some((normal, distance)) = edge_axis(edge, core, a.center) else { continue };
         if best.is_none_or(|b| distance > b.distance) {
             let (on_a, on_b) = segments::nearest(edge, core).points();
-            best = Some(Closest { distance, normal, on_a, on_b, feature: feature::pair(i as usize, 0xff) });
+            best = Some(Closest { distance, normal, on_a, on_b, feature: feature::pair(i, 0xff) });
         }
     }
     best

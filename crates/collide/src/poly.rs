@@ -213,7 +213,11 @@ impl BoxPoly {
         let edge = |k: usize, e: usize| match k {
             0..8 => face(k % 4, BOX_EDGES.get(e).map_or(6, |edge| edge.faces[k / 4] as usize)),
             8 => 0.0,
-            _ => std::f32::consts::SQRT_2,
+            9 => std::f32::consts::SQRT_2,
+            _ => BOX_EDGES.get(e).map_or(0.0, |edge| {
+                let [from, to] = edge.vertices.map(|v| vertices[v as usize]);
+                (to - from)[k - 10]
+            }),
         };
         BoxPoly {
             half,

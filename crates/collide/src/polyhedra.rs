@@ -30,6 +30,8 @@ pub(crate) fn collide(
     cache: &mut Cache,
     out: &mut Vec<Manifold>,
 ) -> f32 {
+    // The names of a deep overlap's points serve while it lasts.
+    let before = std::mem::take(&mut cache.kept);
     if let Some(axis) = direction::unpack(cache.word) {
         let apart = surely_apart(a, b, b_in_a, axis);
         if apart > margin {
@@ -51,9 +53,9 @@ pub(crate) fn collide(
         (over_faces(a, b, b_in_a, faces).or_else(crossing), None)
     } else {
         let choice = sat::least_overlap(a, b, b_in_a, faces, 2.0 * same);
-        let manifold = overlapping(a, b, b_in_a, margin, &choice, &mut cache.kept);
+        let (manifold, kept) = overlapping(a, b, b_in_a, margin, &choice, before);
         if overlap_at(a, b, b_in_a, &manifold) {
-            cache.word = direction::pack(manifold.normal);
+            *cache = Cache { word: direction::pack(manifold.normal), kept };
             out.push(manifold);
             return 0.0;
         }
@@ -67,18 +69,18 @@ pub(crate) fn collide(
             gjk::proximity(a.vertices, b.vertices, b_in_a, towards, margin)
         }
     };
-    let manifold = match proximity {
+    let (manifold, kept) = match proximity {
         Proximity::Beyond(axis) => {
             cache.word = direction::pack(axis);
             return surely_apart(a, b, b_in_a, axis.normalize()).max(margin);
         }
-        Proximity::Apart(closest) => around(a, b, b_in_a, margin, &closest),
+        Proximity::Apart(closest) => (around(a, b, b_in_a, margin, &closest), 0),
         Proximity::Overlap => {
             let choice = choice.unwrap_or_else(|| sat::least_overlap(a, b, b_in_a, faces, 2.0 * same));
-            overlapping(a, b, b_in_a, margin, &choice, &mut cache.kept)
+            overlapping(a, b, b_in_a, margin, &choice, before)
         }
     };
-    cache.word = direction::pack(manifold.normal);
+    *cache = Cache { word: direction::pack(manifold.normal), kept };
     out.push(manifold);
     0.0
 }
@@ -125,15 +127,15 @@ fn between_edges(a: &Poly, b: &Poly, b_in_a: &Isometry, edges: Axis, widest: f32
     (edges.separation > widest + rounding(a, b, b_in_a)).then(|| crossing(a, b, b_in_a, &edges, i, j))
 }
 
-/// The manifold of polyhedra that overlap, of what lies over one face or the other, or of all of the overlap.
+/// The manifold of polyhedra that overlap, of what lies over one face or the other, or of all of the overlap; and what to keep of its points' names, as `before` has it of the last time.
 fn overlapping(
     a: &Poly,
     b: &Poly,
     b_in_a: &Isometry,
     margin: f32,
     choice: &Choice,
-    kept: &mut u32,
-) -> Manifold {
+    before: u32,
+) -> (Manifold, u32) {
     let radius = a.inner_radius.min(b.inner_radius);
     let steady = choice.steady.separation;
     // The preferred face must have points to show for it.
@@ -141,7 +143,7 @@ fn overlapping(
         .filter(|m| m.deepest() <= steady + preference(radius, steady))
         .or_else(|| overlap(a, b, b_in_a, margin, SLACK * radius, &choice.least))
         .unwrap_or_else(|| single(&choice.least, corner(a, b, b_in_a, &choice.least)));
-    deep::spread(a, b, b_in_a, spot, kept)
+    deep::spread(a, b, b_in_a, spot, before)
 }
 
 /// Whether a manifold proves that its polyhedra overlap: between points half-way through the overlap lies one that is in both.

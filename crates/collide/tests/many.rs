@@ -47,7 +47,7 @@ fn many_pairs_at_once_are_what_each_is_alone() {
         Isometry { rotation, translation }
     };
     let mut alone = vec![Cache::default(); count];
-    let mut together = Width::all().map(|_| alone.clone());
+    let mut together: Vec<_> = Width::all().map(|_| alone.clone()).collect();
     // Met again with what they remember, each a little further on.
     for round in 0..3 {
         let poses: Vec<Isometry> = (0..count).map(|i| pose(i, round)).collect();
@@ -66,7 +66,7 @@ fn many_pairs_at_once_are_what_each_is_alone() {
             })
             .collect();
         assert!(expected.iter().filter(|(_, out)| !out.is_empty()).count() > count / 4);
-        for (width, caches) in Width::all().into_iter().zip(&mut together) {
+        for (width, caches) in Width::all().zip(&mut together) {
             let (mut mets, mut out) = (Vec::new(), Vec::new());
             collide_all(width, meeting, caches, &mut mets, &mut out);
             assert_eq!(&alone, caches, "{width:?}");

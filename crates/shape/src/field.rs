@@ -7,6 +7,7 @@
 //! The mesh decides what is inside: a cavity is a part of its surface that shows the other way. A mesh whose parts cross each other or lie within each other has no clear inside, and is refused (`sound.rs`).
 
 mod build;
+mod eight;
 mod features;
 mod octree;
 mod samples;
@@ -15,7 +16,7 @@ mod sound;
 mod store;
 
 pub use features::{Feature, FeatureEdge, Features, Normals};
-pub use samples::{SAMPLES_IN_A_BALL, Sample, Samples};
+pub use samples::{Balls, SAMPLES_IN_A_BALL, Sample, Samples};
 pub use store::CacheUse;
 
 use crate::{Mesh, MeshError};
@@ -300,6 +301,16 @@ impl Field {
         if surely > limit { Err(surely) } else { Ok(self.distance_beyond(inside, beyond)) }
     }
 
+    /// [`Field::distance_below`], with how it changes along x, y and z within its cell: nearly a unit vector, the way out of the body, where all ways out in the cell are alike, and a shorter one where they are not. Zero outside the covered box.
+    #[inline]
+    pub fn slope_below(&self, p: Vec3, limit: f32) -> Result<(f32, Vec3), f32> {
+        let (inside, beyond) = self.covered(p);
+        if beyond != Vec3::ZERO {
+            return self.distance_below(p, limit).map(|distance| (distance, Vec3::ZERO));
+        }
+        Ok(self.octree.slope_at(&self.octree.spot(inside)))
+    }
+
     /// Signed distance and direction out of the body. The direction is that of differences over the width of a cell, which changes smoothly from cell to cell.
     pub fn nearest(&self, p: Vec3) -> FieldPoint {
         let (inside, beyond) = self.covered(p);
@@ -319,22 +330,15 @@ impl Field {
 
     /// Out along the direction that the distance has at the border; never more than the way, and never less than the way is long.
     fn distance_beyond(&self, inside: Vec3, beyond: Vec3) -> f32 {
-        let spot = self.octree.spot(inside);
-        let (distance, far) = (self.octree.value_at(&spot), beyond.length());
-        let along = distance + self.slope_within(inside, &spot).dot(beyond);
+        let (distance, slope) = self.octree.slope_at(&self.octree.spot(inside));
+        let far = beyond.length();
+        let along = distance + slope.normalize_or(Vec3::Z).dot(beyond);
         along.max(far).max(distance - far).min(distance + far)
     }
 
     fn slope(&self, p: Vec3, spot: &Spot) -> Vec3 {
         let step = 0.5 * spot.edge;
         let along = |axis: Vec3| self.distance(p + step * axis) - self.distance(p - step * axis);
-        Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or(Vec3::Z)
-    }
-
-    /// The same without a look beyond the border.
-    fn slope_within(&self, p: Vec3, spot: &Spot) -> Vec3 {
-        let step = 0.5 * spot.edge;
-        let along = |axis: Vec3| self.octree.value(p + step * axis) - self.octree.value(p - step * axis);
         Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)).normalize_or(Vec3::Z)
     }
 }

@@ -20,8 +20,8 @@ mod principal;
 pub use bounds::UNBOUNDED;
 pub use compound::{Compound, CompoundError, Part};
 pub use field::{
-    CacheUse, Feature, FeatureEdge, Features, Field, FieldError, FieldMemory, FieldPoint, FieldSettings,
-    Normals, SAMPLES_IN_A_BALL, Sample, Samples,
+    Balls, CacheUse, Feature, FeatureEdge, Features, Field, FieldError, FieldMemory, FieldPoint,
+    FieldSettings, Normals, SAMPLES_IN_A_BALL, Sample, Samples,
 };
 pub use frustum::Frustum;
 pub use height_field::{HeightField, HeightFieldError, MOST_SAMPLES};

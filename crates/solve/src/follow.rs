@@ -314,7 +314,7 @@ mod tests {
         let a = drift(small * Vec3::new(0.3, -0.2, 0.7), small * Vec3::new(0.5, 0.4, -0.6));
         let b = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
         let friction = Vec3::new(0.3, -0.4, 0.0);
-        for (width, start) in Width::all().into_iter().flat_map(|width| [(width, 0.0), (width, 0.01)]) {
+        for (width, start) in Width::all().flat_map(|width| [(width, 0.0), (width, 0.01)]) {
             let manifold =
                 Manifold { a: 1, b: 2, count: 2, normal: Vec3::Z, arms, distances: [start, start, 0.0, 0.0] };
             let (manifold, memory, _) = followed(manifold, friction, offset, [a, b], false, 0.0, width);
@@ -344,7 +344,7 @@ mod tests {
         let flat = drift(small * Vec3::new(-0.1, 0.6, 0.2), small * Vec3::new(-0.3, 0.7, 0.2));
         let turned =
             |d: &Drift| Mat3::from_quat(rotation::normalize(rotation::from_rotation_vector(d.rotation())));
-        for (width, start, count, first) in Width::all().into_iter().flat_map(|width| {
+        for (width, start, count, first) in Width::all().flat_map(|width| {
             [(0.0, 1, true), (0.01, 1, false), (-0.002, 2, true), (0.0, 2, false)]
                 .map(|(start, count, first)| (width, start, count, first))
         }) {

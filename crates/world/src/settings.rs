@@ -72,7 +72,7 @@ pub struct Settings {
     pub tiles_from: usize,
     /// Threads, 0 for as many as the machine has. Never changes a result.
     pub threads: usize,
-    /// SIMD lanes, 0 for as many as the machine has; 1, 4, 8 or 16. Never changes a result.
+    /// SIMD lanes, 1, 4, 8 or 16 but no more than the machine has, 0 for as many. Never changes a result.
     pub lanes: usize,
 }
 

@@ -353,6 +353,9 @@ impl Fresh {
         let mut recall = Recall { cache: self.caches[i], mark };
         let balls = bodies.balls[a] && bodies.balls[b];
         let leash = look.remember([a, b], asked, apart, &mut recall);
+        if self.locals.is_empty() && lanes.is_empty() {
+            return recall;
+        }
         let (turn, offset) = ahead.axes(bodies, [a, b]);
         self.olds.clear();
         self.olds.extend(lanes.iter().map(|&lane| desk.read(lane)));

@@ -12,7 +12,6 @@ use super::gather::{Contact, FACING, NEARLY, WORTH, within};
 use super::side::{Near, Side};
 use rockfall_math::{Vec3, hash, trig};
 use rockfall_shape::{Feature, Field, SAMPLES_IN_A_BALL};
-use std::cell::Cell;
 
 /// Edges whose directions have a smaller sine of the angle between them are parallel: corners carry them.
 const PARALLEL: f32 = 0.03;
@@ -32,6 +31,11 @@ const DEEP: f32 = 0.9;
 /// So much of the spacing a point of an edge that lies in a side may stick out of it.
 const ROUNDING: f32 = 1e-2;
 
+/// Where a field is steeper than this all ways out of a cell are alike: its slope is their mean. There, the way out of a corner that is no deeper than the spacing is no further from that than by the angle with this cosine and sine, 30°, so that many
+/// corners near the other body need no exact distance to be told that they look past it.
+const STEEP: f32 = 0.9;
+const TURNED: [f32; 2] = [0.866, 0.5];
+
 /// Kinds of names: of a corner, of two edges, of a sample; besides of which body.
 const OF_EDGES: u32 = 1 << 30;
 const OF_SAMPLES: u32 = 1 << 29;
@@ -47,11 +51,20 @@ pub(super) struct Two<'a, 'b> {
     pub(super) spacing: f32,
 }
 
+/// A corner that may lie in the other body and does not face it.
+struct Hidden {
+    /// Of which body it is.
+    k: usize,
+    vertex: u32,
+    /// What the field of the other says of its distance, metres.
+    about: f32,
+}
+
 impl Two<'_, '_> {
     /// Appends the contacts. Returns how far apart the two are at least, as far as their samples know.
     pub(super) fn contacts(&self, out: &mut Vec<Contact>) -> f32 {
         let mut edges = [Vec::new(), Vec::new()];
-        let mut hidden = None;
+        let mut hidden = Vec::new();
         let mut least = f32::INFINITY;
         for (k, edges) in edges.iter_mut().enumerate() {
             let mut features = Vec::new();
@@ -64,9 +77,10 @@ impl Two<'_, '_> {
             }
         }
         self.crossings(&edges, out);
-        // Where two bodies overlap and nothing else touches there is a contact, whichever way the surfaces look.
+        // Where two bodies overlap and nothing else touches there is a contact, whichever way the surfaces look: of several, the deepest.
         if out.is_empty() {
-            out.extend(hidden);
+            let deep = hidden.into_iter().filter_map(|corner| self.hidden(corner));
+            out.extend(deep.reduce(|one, two| if two.distance < one.distance { two } else { one }));
         }
         least
     }
@@ -88,26 +102,31 @@ impl Two<'_, '_> {
 
     /// How far the samples of one are from the other at least, metres, where all are out of reach: balls that are near for their size are looked into.
     fn gap(&self) -> f32 {
-        let least = Cell::new(f32::INFINITY);
+        let mut least = f32::INFINITY;
         for k in 0..2 {
             let (own, field, other, beyond) = self.of(k);
-            let knows = |surely: f32| least.set(least.get().min(surely));
-            let enter = |center, radius| {
-                let distance = beyond.least_distance(other.place.inverse_point(own.place.point(center)));
-                let inside = distance - radius;
-                let worth = inside < WORTH * distance;
-                if !worth {
-                    knows(inside);
-                }
-                worth
-            };
-            let points = field.samples().points();
-            field.samples().search(enter, |i| {
-                let p = own.place.point(points[i].position);
-                knows(other.distance_below(p, self.reach).unwrap_or_else(|surely| surely));
-            });
+            let mut in_balls = f32::INFINITY;
+            field.samples().search(
+                |balls| {
+                    let surely = beyond.least_distances(balls, &own.place, &other.place);
+                    std::array::from_fn(|i| {
+                        let inside = surely[i] - balls[3][i];
+                        if inside < WORTH * surely[i] {
+                            return f32::NEG_INFINITY;
+                        }
+                        in_balls = in_balls.min(inside);
+                        f32::INFINITY
+                    })
+                },
+                |bound| bound < f32::INFINITY,
+                |_, points| {
+                    let distances = beyond.distances_below(points, &own.place, &other.place, self.reach);
+                    distances.into_iter().for_each(|d| least = least.min(d.unwrap_or_else(|surely| surely)));
+                },
+            );
+            least = least.min(in_balls);
         }
-        least.get()
+        least
     }
 
     /// Body number `k`, and the other one.
@@ -118,26 +137,26 @@ impl Two<'_, '_> {
     /// Collects the features of a body that its samples know to be near the other one, ascending. Of what is further away, or deep in it, the nearest sample of each small ball stands for the others, since bodies that come fast see
     /// hundreds; further away it is enough to meet it as exactly as the field says. Returns how far all others are at least.
     fn near(&self, k: usize, features: &mut Vec<Feature>, out: &mut Vec<Contact>) -> f32 {
-        let (own, field, other, _) = self.of(k);
+        let (own, field, other, there) = self.of(k);
         let mut least = f32::INFINITY;
         let mut near: Vec<(usize, f32)> = Vec::new();
         let mut beyond = f32::INFINITY;
-        let points = field.samples().points();
         field.samples().search(
-            |center, radius| {
-                let Some(distance) = other.least_distance(own.place.point(center), self.reach + radius)
-                else {
-                    return false;
-                };
-                let inside = distance - radius;
-                if inside > self.reach {
-                    least = least.min(inside);
+            |balls| other.least_gaps(balls, &own.place),
+            |gap| {
+                if gap > self.reach {
+                    least = least.min(gap);
                 }
-                inside <= self.reach
+                gap <= self.reach
             },
-            |i| match other.distance_below(own.place.point(points[i].position), self.reach) {
-                Ok(distance) => near.push((i, distance)),
-                Err(surely) => beyond = beyond.min(surely),
+            |numbers, points| {
+                let distances = there.distances_below(points, &own.place, &other.place, self.reach);
+                for (i, distance) in numbers.zip(distances) {
+                    match distance {
+                        Ok(distance) => near.push((i, distance)),
+                        Err(surely) => beyond = beyond.min(surely),
+                    }
+                }
             },
         );
         least = least.min(beyond);
@@ -171,23 +190,38 @@ impl Two<'_, '_> {
         within(facing, sample.cone, beside).then(|| Contact::new(k == 1, p, there, name))
     }
 
-    /// A corner in the other body. One that lies in it and does not face it is `hidden`; of several, the deepest.
-    fn corner(&self, k: usize, vertex: u32, out: &mut Vec<Contact>, hidden: &mut Option<Contact>) {
+    /// A corner at the other body. One that may lie in it, and does not face it, is `hidden`.
+    fn corner(&self, k: usize, vertex: u32, out: &mut Vec<Contact>, hidden: &mut Vec<Hidden>) {
         let (own, field, other, beyond) = self.of(k);
         let p = own.place.point(field.mesh().vertices[vertex as usize]);
-        let Ok(about) = other.distance_below(p, self.margin) else { return };
+        let Ok((about, slope)) = beyond.slope_below(other.place.inverse_point(p), self.margin) else {
+            return;
+        };
         if about > self.margin + beyond.bound(about) {
             return;
         }
-        let Some(there) = other.exact(p, about).filter(|there| there.distance <= self.margin) else { return };
         let normals = field.features().corner(vertex);
-        let facing = own.place.vector(normals.out).dot(-there.normal);
-        let contact = Contact::new(k == 1, p, there, vertex & OF_ONE);
-        if within(facing, normals.cone, FACING) {
-            out.push(contact);
-        } else if there.distance <= 0.0 && hidden.is_none_or(|known| there.distance < known.distance) {
-            *hidden = Some(contact);
+        let facing = |out: Vec3| own.place.vector(normals.out).dot(-out);
+        let steep = slope.length();
+        let is_clear = steep >= STEEP && about > -self.spacing;
+        let may_face = !is_clear || within(facing(other.place.vector(slope)) / steep, normals.cone, TURNED);
+        let there = if may_face { other.exact(p, about) } else { None };
+        match there {
+            Some(there) if there.distance > self.margin => {}
+            Some(there) if within(facing(there.normal), normals.cone, FACING) => {
+                out.push(Contact::new(k == 1, p, there, vertex & OF_ONE));
+            }
+            _ if about <= beyond.bound(about) => hidden.push(Hidden { k, vertex, about }),
+            _ => {}
         }
+    }
+
+    /// The contact of a corner whichever way it looks, if it lies in the other body.
+    fn hidden(&self, Hidden { k, vertex, about }: Hidden) -> Option<Contact> {
+        let (own, field, other, _) = self.of(k);
+        let p = own.place.point(field.mesh().vertices[vertex as usize]);
+        let there = other.exact(p, about).filter(|there| there.distance <= 0.0)?;
+        Some(Contact::new(k == 1, p, there, vertex & OF_ONE))
     }
 
     /// An edge in A's frame.

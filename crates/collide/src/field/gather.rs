@@ -89,20 +89,23 @@ fn samples(own: &Side, other: &Side, reach: f32, spacing: f32, of_b: bool, out: 
     let mut least = f32::INFINITY;
     let mut near = Vec::new();
     field.samples().search(
-        |center, radius| {
-            let p = own.place.point(center);
-            let Some(distance) = other.least_distance(p, reach + radius) else {
-                least = least.min(reach);
-                return false;
-            };
-            let inside = distance - radius;
-            if inside > reach && inside >= WORTH * distance {
-                least = least.min(inside);
-                return false;
-            }
-            true
+        |[x, y, z, radii]| {
+            std::array::from_fn(|i| {
+                let p = own.place.point(Vec3::new(x[i], y[i], z[i]));
+                let Some(distance) = other.least_distance(p, reach + radii[i]) else {
+                    least = least.min(reach);
+                    return f32::INFINITY;
+                };
+                let inside = distance - radii[i];
+                if inside > reach && inside >= WORTH * distance {
+                    least = least.min(inside);
+                    return f32::INFINITY;
+                }
+                f32::NEG_INFINITY
+            })
         },
-        |i| near.push(i),
+        |bound| bound < f32::INFINITY,
+        |numbers, _| near.extend(numbers),
     );
     let points = field.samples().points();
     let distances: Vec<f32> = near

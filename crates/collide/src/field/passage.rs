@@ -8,7 +8,7 @@ use crate::passage::{gone, stay_apart};
 use crate::time_of_impact::{LAYERS, MAX_STEPS, NEAR, SUNK};
 use crate::{Sweep, Toi};
 use rockfall_math::{Isometry, Vec3};
-use rockfall_shape::Shape;
+use rockfall_shape::{Balls, SAMPLES_IN_A_BALL, Shape};
 use std::cell::Cell;
 
 /// What counts as reached, as a share of the smaller inner radius.
@@ -89,33 +89,44 @@ impl Course<'_> {
     fn gap(&self, time: f32, guess: Gap) -> Gap {
         let [a, b] = [self.sweep.a.at(time), self.sweep.b.at(time)];
         let to_other = [b.inverse().then_after(&a), a.inverse().then_after(&b)];
-        let first = self.distance(guess.side, guess.sample, &to_other[guess.side], f32::INFINITY);
+        let first = self.sides[guess.side].field().map_or(f32::INFINITY, |own| {
+            let p = own.samples().points()[guess.sample].position;
+            let alone = [p.x, p.y, p.z, 0.0].map(|x| [x; SAMPLES_IN_A_BALL]);
+            self.distances(guess.side, &alone, &to_other[guess.side])[0]
+        });
         let least = Cell::new(Gap { distance: first, ..guess });
         for (side, to_other) in to_other.iter().enumerate() {
             let (Some(own), other) = (self.sides[side].field(), &self.sides[1 - side]) else { continue };
-            let enter = |center, radius| {
-                let surely = other.least_distance(to_other.point(center), f32::INFINITY);
-                surely.is_some_and(|surely| surely - radius < least.get().distance)
-            };
-            own.samples().search(enter, |sample| {
-                let distance = self.distance(side, sample, to_other, least.get().distance);
-                if distance < least.get().distance {
-                    least.set(Gap { distance, side, sample });
-                }
-            });
+            own.samples().search(
+                |balls| other.least_gaps(balls, to_other),
+                |gap| gap < least.get().distance,
+                |numbers, points| {
+                    for (sample, distance) in numbers.zip(self.distances(side, points, to_other)) {
+                        if distance < least.get().distance {
+                            least.set(Gap { distance, side, sample });
+                        }
+                    }
+                },
+            );
         }
         least.get()
     }
 
-    /// See [`Gap::distance`]; infinite where that is surely more than `limit`.
-    fn distance(&self, side: usize, sample: usize, to_other: &Isometry, limit: f32) -> f32 {
-        let Some(own) = self.sides[side].field() else { return f32::INFINITY };
+    /// Of eight samples, see [`Gap::distance`].
+    fn distances(&self, side: usize, points: &Balls, to_other: &Isometry) -> [f32; SAMPLES_IN_A_BALL] {
         let other = &self.sides[1 - side];
-        let p = to_other.point(own.samples().points()[sample].position);
-        let Ok(distance) = other.distance_below(p, limit) else { return f32::INFINITY };
         match other.field() {
-            Some(field) if distance > 0.0 => (distance - field.bound(distance)).max(0.0),
-            _ => distance,
+            // Out of the box that the field covers, what is sure is more than what it estimates less its bound.
+            Some(field) => field.distances_below(points, to_other, &other.place, f32::NEG_INFINITY).map(
+                |said| match said {
+                    Ok(distance) if distance > 0.0 => (distance - field.bound(distance)).max(0.0),
+                    Ok(distance) | Err(distance) => distance,
+                },
+            ),
+            None => std::array::from_fn(|i| {
+                let p = to_other.point(Vec3::new(points[0][i], points[1][i], points[2][i]));
+                other.nearest(p, f32::INFINITY).map_or(f32::INFINITY, |near| near.distance)
+            }),
         }
     }
 

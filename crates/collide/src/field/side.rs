@@ -2,7 +2,7 @@
 
 use crate::point::nearest_point;
 use rockfall_math::{DVec3, Isometry, Vec3};
-use rockfall_shape::{Field, NearestOnMesh, Shape};
+use rockfall_shape::{Balls, Field, NearestOnMesh, SAMPLES_IN_A_BALL, Shape};
 
 /// A shape in A's frame.
 pub(super) struct Side<'a> {
@@ -58,13 +58,17 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// Signed distance alone; or, as the error, a distance that the point surely has, if that is more than `limit`, which only fields tell apart.
-    #[inline]
-    pub(super) fn distance_below(&self, p: Vec3, limit: f32) -> Result<f32, f32> {
-        match self.shape {
-            Shape::Field(field) => field.distance_below(self.place.inverse_point(p), limit),
-            _ => self.nearest(p, limit).map(|near| near.distance).ok_or(limit),
-        }
+    /// How far eight balls, which `own` takes to A's frame, surely are, metres; without end where the middle of one has no distance.
+    pub(super) fn least_gaps(&self, balls: &Balls, own: &Isometry) -> [f32; SAMPLES_IN_A_BALL] {
+        let [x, y, z, radii] = balls;
+        let surely = match self.shape {
+            Shape::Field(field) => field.least_distances(balls, own, &self.place),
+            _ => std::array::from_fn(|i| {
+                let center = own.point(Vec3::new(x[i], y[i], z[i]));
+                self.least_distance(center, f32::INFINITY).unwrap_or(f32::INFINITY)
+            }),
+        };
+        std::array::from_fn(|i| surely[i] - radii[i])
     }
 
     /// The point of the surface nearest to a point that is at most `limit` metres off it, exactly.

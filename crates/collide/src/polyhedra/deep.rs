@@ -34,17 +34,16 @@ const FEWEST: usize = 3;
 /// Faces that look along the normal by less than this cosine are passed by: the way out over them has no end.
 const ALONG: f32 = 1e-3;
 
-/// The manifold of polyhedra of which `spot` is what lies over one face: itself, or points all over the overlap where that is deep. `kept` has a byte of each point's name, or is 0.
-pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, kept: &mut u32) -> Manifold {
+/// The manifold of polyhedra of which `spot` is what lies over one face: itself, or points all over the overlap where that is deep; and a byte of each of those points' names, or 0. `before` has these of the last time.
+pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, before: u32) -> (Manifold, u32) {
     let radius = a.inner_radius.min(b.inner_radius);
     let deep = DEEP * radius;
-    let before = std::mem::take(kept);
     if spot.deepest() >= if before == 0 { -deep } else { -STILL * deep } || is_thin(a) || is_thin(b) {
-        return spot;
+        return (spot, 0);
     }
     let mut points = corners(a, b, b_in_a, spot.normal);
     if points.len() < FEWEST {
-        return spot;
+        return (spot, 0);
     }
     // Between corners of surfaces that bulge the overlap is deeper than at them.
     let shown = points.iter().fold(f32::INFINITY, |least, p| least.min(p.distance));
@@ -54,10 +53,10 @@ pub(super) fn spread(a: &Poly, b: &Poly, b_in_a: &Isometry, spot: Manifold, kept
     let manifold = reduce_keeping(spot.normal, &points, start(spot.normal), 0.0, was_kept);
     // A rod that lies across an edge is held by more than the corners of its end.
     if span(&manifold) < WIDE * span(&spot) {
-        return spot;
+        return (spot, 0);
     }
-    *kept = manifold.digests();
-    manifold
+    let names = manifold.digests();
+    (manifold, names)
 }
 
 /// Plates and needles overlap by their thickness whenever they touch hard, and no corner says where.

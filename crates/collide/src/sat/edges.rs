@@ -11,7 +11,7 @@ use super::{Axis, Kind, edge_axis};
 use crate::poly::Poly;
 use rockfall_math::lanes::{Kernel, Lanes, Lanes3, Width};
 use rockfall_math::{Isometry, Vec3};
-use rockfall_shape::HULL_LANES;
+use rockfall_shape::{EdgeBlock, HULL_LANES};
 use smallvec::SmallVec;
 
 /// The best of the pairs that separate by more than `floor`, and perhaps of some that don't.
@@ -26,8 +26,30 @@ struct Best<'a> {
     floor: f32,
 }
 
-/// Numbers of edges; those that are not passed over are a handful.
-type Edges = SmallVec<[u32; 64]>;
+/// Of each block of edges those that are not passed over, a bit each; most hulls have a few blocks.
+pub(crate) struct Edges(SmallVec<[u16; 8]>);
+
+impl Edges {
+    fn is_empty(&self) -> bool {
+        self.0.iter().all(|&mask| mask == 0)
+    }
+
+    /// Their numbers, ascending.
+    #[inline(always)]
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().enumerate().flat_map(|(k, &mask)| lanes(mask).map(move |lane| k * HULL_LANES + lane))
+    }
+}
+
+/// Numbers of the bits that are set, ascending.
+#[inline(always)]
+fn lanes(mut mask: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < HULL_LANES).then_some(lane)
+    })
+}
 
 /// The edges of a polyhedron along whose directions another one, with this centre and inner radius, may be
 /// further away than `floor`.
@@ -38,8 +60,10 @@ pub(crate) fn open<L: Lanes>(token: L::Token, poly: &Poly, center: Vec3, radius:
     let room = L::splat(token, 1e-5 * size);
     let least = L::splat(token, floor + radius) - room;
     let center = Lanes3::<L>::splat(token, center);
-    let mut edges = Edges::new();
+    let all = u16::MAX >> (HULL_LANES - L::WIDTH);
+    let mut edges = SmallVec::new();
     for (k, block) in poly.edge_blocks.iter().enumerate() {
+        let mut open = 0;
         for l in (0..HULL_LANES).step_by(L::WIDTH) {
             let row = |k: usize| L::load(token, &block[k][l..]);
             let height = |k: usize| Lanes3::new(row(k), row(k + 1), row(k + 2)).dot(center) - row(k + 3);
@@ -48,21 +72,14 @@ pub(crate) fn open<L: Lanes>(token: L::Token, poly: &Poly, center: Vec3, radius:
             // Between the normals lies the largest only if each of them is nearer to it than to the other one.
             let between = high.max(high * row(9));
             let most = L::select(low.lt(high * row(8) - room), high, between);
-            // Idle lanes are no edges, whatever came out for them: what is too far to be reckoned with is not a number.
-            let first = k * HULL_LANES + l;
-            let real = poly.edges.len().saturating_sub(first).min(L::WIDTH);
-            let mut mask = !L::bits(most.lt(least)) & (((1_u32 << real) - 1) as u16);
-            while mask != 0 {
-                edges.push(first as u32 + mask.trailing_zeros());
-                mask &= mask - 1;
-            }
+            open |= (!L::bits(most.lt(least)) & all) << l;
         }
+        // Idle lanes are no edges, whatever came out for them: what is too far to be reckoned with is not a number.
+        let real = (poly.edges.len() - k * HULL_LANES).min(HULL_LANES);
+        edges.push(open & (u16::MAX >> (HULL_LANES - real)));
     }
-    edges
+    Edges(edges)
 }
-
-/// Edges of B in A's frame: normals of the faces on both sides, and direction. Idle lanes are zero and cross nothing.
-type Arcs = [[f32; HULL_LANES]; 9];
 
 impl Kernel for Best<'_> {
     type Output = Option<Axis>;
@@ -75,30 +92,25 @@ impl Kernel for Best<'_> {
         if of_a.is_empty() || of_b.is_empty() {
             return None;
         }
-        let blocks: SmallVec<[Arcs; 4]> = of_b.chunks(HULL_LANES).map(|chunk| self.arcs(chunk)).collect();
         let mut best: Option<Axis> = None;
-        for &i in &of_a {
-            let edge = &a.edges[i as usize];
+        for i in of_a.numbers() {
+            let edge = &a.edges[i];
             let first = edge.vertices.map(|v| a.vertices[v as usize]);
-            let [left, right] = edge.faces.map(|f| a.normals[f as usize]);
-            let arc = Arc {
-                left: Lanes3::<L>::splat(token, left),
-                right: Lanes3::splat(token, right),
-                along: Lanes3::splat(token, first[1] - first[0]),
-            };
-            for (k, block) in blocks.iter().enumerate() {
+            // Edges of B are many, and stay where they are.
+            let in_b = |v: Vec3| Lanes3::<L>::splat(token, b_in_a.inverse_vector(v));
+            let [left, right] = edge.faces.map(|f| in_b(a.normals[f as usize]));
+            let arc = Arc { left, right, along: in_b(first[1] - first[0]) };
+            for (k, (block, &mask)) in b.edge_blocks.iter().zip(&of_b.0).enumerate() {
+                if mask == 0 {
+                    continue;
+                }
                 for l in (0..HULL_LANES).step_by(L::WIDTH) {
-                    let mut crossed = L::bits(arc.crosses(token, block, l));
-                    while crossed != 0 {
-                        let lane = l + crossed.trailing_zeros() as usize;
-                        crossed &= crossed - 1;
-                        let j = of_b[k * HULL_LANES + lane];
-                        let second =
-                            b.edges[j as usize].vertices.map(|v| b_in_a.point(b.vertices[v as usize]));
+                    for lane in lanes(L::bits(arc.crosses(token, block, l)) << l & mask) {
+                        let j = k * HULL_LANES + lane;
+                        let second = b.edges[j].vertices.map(|v| b_in_a.point(b.vertices[v as usize]));
                         let Some((normal, separation)) = edge_axis(first, second, a.center) else { continue };
                         if best.is_none_or(|b| separation > b.separation) {
-                            let kind = Kind::Edges(i as usize, j as usize);
-                            best = Some(Axis { normal, separation, kind });
+                            best = Some(Axis { normal, separation, kind: Kind::Edges(i, j) });
                         }
                     }
                 }
@@ -108,24 +120,7 @@ impl Kernel for Best<'_> {
     }
 }
 
-impl Best<'_> {
-    /// Up to sixteen edges of B.
-    #[inline(always)]
-    fn arcs(&self, edges: &[u32]) -> Arcs {
-        let mut block = Arcs::default();
-        for (lane, &j) in edges.iter().enumerate() {
-            let edge = &self.b.edges[j as usize];
-            let [left, right] = edge.faces.map(|f| self.b_in_a.vector(self.b.normals[f as usize]));
-            let [p, q] = edge.vertices.map(|v| self.b_in_a.point(self.b.vertices[v as usize]));
-            for (k, x) in [left, right, q - p].iter().flat_map(|v| v.to_array()).enumerate() {
-                block[k][lane] = x;
-            }
-        }
-        block
-    }
-}
-
-/// An edge of A: the normals of its faces, and its direction.
+/// An edge of A in B's frame: the normals of its faces, and its direction.
 struct Arc<L> {
     left: Lanes3<L>,
     right: Lanes3<L>,
@@ -136,7 +131,7 @@ impl<L: Lanes> Arc<L> {
     /// Whether the arc of A's edge crosses the mirrored ones of B's: each arc has its ends on both sides of the other's plane, and they
     /// do so on the same hemisphere.
     #[inline(always)]
-    fn crosses(&self, token: L::Token, block: &Arcs, l: usize) -> L::Mask {
+    fn crosses(&self, token: L::Token, block: &EdgeBlock, l: usize) -> L::Mask {
         let vector = |k: usize| {
             Lanes3::new(
                 L::load(token, &block[k][l..]),
@@ -144,7 +139,7 @@ impl<L: Lanes> Arc<L> {
                 L::load(token, &block[k + 2][l..]),
             )
         };
-        let (left, right, along) = (vector(0), vector(3), vector(6));
+        let (left, right, along) = (vector(0), vector(4), vector(10));
         let (left_of_b, right_of_b) = (left.dot(self.along), right.dot(self.along));
         let (left_of_a, right_of_a) = (along.dot(self.left), along.dot(self.right));
         let across = (left_of_b * right_of_b).max(left_of_a * right_of_a).max(left_of_b * right_of_a);

@@ -1,8 +1,14 @@
 //! The choice of a width at run time.
 
 use super::Lanes;
-use fearless_simd::{Level, Simd, SimdBase, f32x4, f32x8, f32x16};
+use fearless_simd::{Level, Simd, f32x4};
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{f32x8, f32x16};
 use std::sync::OnceLock;
+
+/// What shows that the processor has registers of 4, 8 and 16 lanes.
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::x86::{Avx2 as OfEight, Avx512 as OfSixteen, Sse2 as OfFour};
 
 /// Code that runs at any width. Everything that it calls must be `#[inline(always)]`, or the instructions of the
 /// wide registers don't reach it.
@@ -14,16 +20,24 @@ pub trait Kernel {
 }
 
 /// A number of lanes together with the instruction set that carries it.
+///
+/// A kernel is compiled once for each: on registers that are narrower it would only be slower than with fewer lanes, and gives the same bits with those.
 #[derive(Clone, Copy, Debug)]
 pub enum Width {
     /// One number at a time.
     Scalar,
-    /// 4 lanes.
+    /// 4 lanes: what every machine has.
+    #[cfg(target_arch = "x86_64")]
+    Four(OfFour),
+    /// 8 lanes.
+    #[cfg(target_arch = "x86_64")]
+    Eight(OfEight),
+    /// 16 lanes.
+    #[cfg(target_arch = "x86_64")]
+    Sixteen(OfSixteen),
+    /// 4 lanes: what every machine has.
+    #[cfg(not(target_arch = "x86_64"))]
     Four(Level),
-    /// 8 lanes; several registers each where the machine's are narrower.
-    Eight(Level),
-    /// 16 lanes; several registers each where the machine's are narrower.
-    Sixteen(Level),
 }
 
 impl Width {
@@ -31,32 +45,44 @@ impl Width {
     pub fn native() -> Self {
         /// The machine is asked once.
         static NATIVE: OnceLock<Width> = OnceLock::new();
-        *NATIVE.get_or_init(|| Self::new(0))
+        *NATIVE.get_or_init(|| Self::all().last().unwrap_or(Width::Scalar))
     }
 
-    /// `lanes` lanes; for a number other than 1, 4, 8 or 16 as many as the machine's registers have.
+    /// 1, 4, 8 or 16 lanes, but no more than the machine's registers have; 0 means as many.
     pub fn new(lanes: usize) -> Self {
+        Self::native().at_most(if lanes == 0 { usize::MAX } else { lanes })
+    }
+
+    /// Every width that the machine has, ascending.
+    pub fn all() -> impl Iterator<Item = Self> {
+        std::iter::once(Width::Scalar).chain(Self::wide().into_iter().flatten())
+    }
+
+    /// Those of more than one lane, ascending.
+    #[cfg(target_arch = "x86_64")]
+    fn wide() -> [Option<Self>; 3] {
         let level = Level::new();
-        match lanes {
-            1 => Width::Scalar,
-            4 => Width::Four(level),
-            8 => Width::Eight(level),
-            16 => Width::Sixteen(level),
-            _ => Self::new(fearless_simd::dispatch!(level, simd => native_lanes(simd))),
-        }
+        [
+            level.as_sse2().map(Width::Four),
+            level.as_avx2().map(Width::Eight),
+            level.as_avx512().map(Width::Sixteen),
+        ]
     }
 
-    /// Four lanes, or one where this is one: for kernels that have no more to do side by side.
-    pub fn four(self) -> Self {
-        match self {
-            Width::Scalar => Width::Scalar,
-            Width::Four(level) | Width::Eight(level) | Width::Sixteen(level) => Width::Four(level),
-        }
+    /// Those of more than one lane, ascending.
+    #[cfg(not(target_arch = "x86_64"))]
+    fn wide() -> [Option<Self>; 1] {
+        [Some(Width::Four(Level::new()))]
     }
 
-    /// Every width; all of them run on every machine.
-    pub fn all() -> [Self; 4] {
-        [1, 4, 8, 16].map(Self::new)
+    /// No more than so many lanes: for kernels that have no more to do side by side.
+    #[inline]
+    pub fn at_most(self, lanes: usize) -> Self {
+        if self.lanes() <= lanes {
+            return self;
+        }
+        let fits = |width: &Self| width.lanes() <= lanes;
+        Self::wide().into_iter().flatten().rev().find(fits).unwrap_or(Width::Scalar)
     }
 
     /// Number of lanes.
@@ -64,29 +90,22 @@ impl Width {
         match self {
             Width::Scalar => 1,
             Width::Four(_) => 4,
+            #[cfg(target_arch = "x86_64")]
             Width::Eight(_) => 8,
+            #[cfg(target_arch = "x86_64")]
             Width::Sixteen(_) => 16,
         }
     }
 
     /// Runs a kernel at this width.
-    ///
-    /// On x86 a kernel is compiled for one instruction set per width, and once more for SSE2 where a machine lacks it,
-    /// rather than for all four that `fearless_simd::dispatch!` would compile.
     #[inline]
     #[cfg(target_arch = "x86_64")]
     pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self {
             Width::Scalar => kernel.run::<f32>(()),
-            Width::Four(level) => baseline(level, Four(kernel)),
-            Width::Eight(level) => match level.as_avx2() {
-                Some(simd) => Eight(kernel).at(simd),
-                None => baseline(level, Eight(kernel)),
-            },
-            Width::Sixteen(level) => match level.as_avx512() {
-                Some(simd) => Sixteen(kernel).at(simd),
-                None => baseline(level, Sixteen(kernel)),
-            },
+            Width::Four(simd) => Four(kernel).at(simd),
+            Width::Eight(simd) => Eight(kernel).at(simd),
+            Width::Sixteen(simd) => Sixteen(kernel).at(simd),
         }
     }
 
@@ -97,8 +116,6 @@ impl Width {
         match self {
             Width::Scalar => kernel.run::<f32>(()),
             Width::Four(level) => fearless_simd::dispatch!(level, simd => Four(kernel).at(simd)),
-            Width::Eight(level) => fearless_simd::dispatch!(level, simd => Eight(kernel).at(simd)),
-            Width::Sixteen(level) => fearless_simd::dispatch!(level, simd => Sixteen(kernel).at(simd)),
         }
     }
 }
@@ -126,20 +143,7 @@ macro_rules! placed {
 }
 
 placed!(Four, f32x4);
-placed!(Eight, f32x8);
-placed!(Sixteen, f32x16);
-
-#[inline]
 #[cfg(target_arch = "x86_64")]
-fn baseline<P: Placed>(level: Level, kernel: P) -> P::Output {
-    // Every x86-64 processor has SSE2, so the level is never without it.
-    match level.as_sse2() {
-        Some(simd) => kernel.at(simd),
-        None => unreachable!("x86-64 without SSE2"),
-    }
-}
-
-#[inline(always)]
-fn native_lanes<S: Simd>(_: S) -> usize {
-    S::f32s::LEN
-}
+placed!(Eight, f32x8);
+#[cfg(target_arch = "x86_64")]
+placed!(Sixteen, f32x16);

@@ -46,7 +46,7 @@ impl Octree {
 
     /// Large cells along x, y, z.
     #[inline]
-    fn extent(&self) -> Vec3 {
+    pub(super) fn extent(&self) -> Vec3 {
         // Not by a loop over the three, which is a call for each place that is looked up.
         Vec3::new(self.size[0] as f32, self.size[1] as f32, self.size[2] as f32)
     }
@@ -69,20 +69,30 @@ impl Octree {
     pub(super) fn spot(&self, p: Vec3) -> Spot {
         let size = self.extent();
         let scaled = ((p - self.origin) / self.cell).clamp(Vec3::ZERO, size);
-        // None is negative; to cut the fraction off is faster than `floor`, which is a call where a processor may lack it.
-        let whole = scaled.map(|x| x as u32 as f32).min(size - 1.0);
-        let mut at = scaled - whole;
-        let [x, y, z] = [whole.x as usize, whole.y as usize, whole.z as usize];
+        let finest = (1 << MOST_CUTS) as f32;
+        let fine = (finest * scaled).min(finest * size - 1.0);
+        // To cut the fractions off exactly: behind 2²³ there is no room for one. A cast would have to look for what is out of its range.
+        let near = fine + WHOLE;
+        let cell = Vec3::select((near - WHOLE).cmpgt(fine), near - 1.0, near).to_array().map(whole_bits);
+        let (leaf, below) = self.leaf(cell);
+        let cells = (1_u32 << (MOST_CUTS - below)) as f32;
+        let low = Vec3::from(cell.map(|n| (n >> below) as f32));
+        Spot { leaf, at: cells * scaled - low, edge: self.cell / cells }
+    }
+
+    /// The leaf that holds one of the smallest cells that there may be, and how often it could be cut more: the bits of that cell tell the way down.
+    #[inline(always)]
+    pub(super) fn leaf(&self, [x, y, z]: [u32; 3]) -> (usize, u32) {
+        let large = |n: u32| (n >> MOST_CUTS) as usize;
         let [nx, ny] = [self.size[0] as usize, self.size[1] as usize];
-        let mut link = self.roots[x + nx * (y + ny * z)];
-        let mut edge = self.cell;
+        let mut link = self.roots[large(x) + nx * (large(y) + ny * large(z))];
+        let mut below = MOST_CUTS;
         while link & LEAF == 0 {
-            let high = at.cmpge(Vec3::splat(0.5));
-            link = self.nodes[link as usize][high.bitmask() as usize];
-            at = 2.0 * at - Vec3::select(high, Vec3::ONE, Vec3::ZERO);
-            edge *= 0.5;
+            below -= 1;
+            let high = (x >> below & 1) | (y >> below & 1) << 1 | (z >> below & 1) << 2;
+            link = self.nodes[link as usize][high as usize];
         }
-        Spot { leaf: (link & !LEAF) as usize, at, edge }
+        ((link & !LEAF) as usize, below)
     }
 
     #[inline]
@@ -90,10 +100,36 @@ impl Octree {
         interpolate(&self.leaves[spot.leaf], spot.at)
     }
 
+    /// The value, and how it changes along x, y and z.
+    #[inline]
+    pub(super) fn slope_at(&self, spot: &Spot) -> (f32, Vec3) {
+        let (c, at) = (&self.leaves[spot.leaf], spot.at);
+        let between = |a: f32, b: f32, t: f32| a + t * (b - a);
+        // Along x at the four edges, then of the two faces, and so on.
+        let along_x = [0, 2, 4, 6].map(|k| c[k + 1] - c[k]);
+        let x = [0, 1, 2, 3].map(|k| c[2 * k] + at.x * along_x[k]);
+        let along_y = [x[1] - x[0], x[3] - x[2]];
+        let y = [x[0] + at.y * along_y[0], x[2] + at.y * along_y[1]];
+        let along_z = y[1] - y[0];
+        let along_x =
+            between(between(along_x[0], along_x[1], at.y), between(along_x[2], along_x[3], at.y), at.z);
+        let slope = Vec3::new(along_x, between(along_y[0], along_y[1], at.z), along_z);
+        (y[0] + at.z * along_z, slope / spot.edge)
+    }
+
     #[inline]
     pub(super) fn value(&self, p: Vec3) -> f32 {
         self.value_at(&self.spot(p))
     }
+}
+
+/// 2²³: from there on single precision has no fractions.
+pub(super) const WHOLE: f32 = (1 << 23) as f32;
+
+/// How much a number from 2²³ to 2²⁴ is above 2²³.
+#[inline(always)]
+pub(super) fn whole_bits(x: f32) -> u32 {
+    x.to_bits() & ((1 << 23) - 1)
 }
 
 /// Trilinear interpolation.
@@ -136,5 +172,23 @@ mod tests {
             assert!((octree.value(p) - f(p)).abs() < 1e-5, "{p}");
         }
         assert_eq!(octree.end(), Vec3::new(1.0, 3.0, 1.0));
+    }
+
+    #[test]
+    fn the_slope_is_that_of_differences() {
+        let wave = |k: usize| (rockfall_math::hash::mix(k as u64) >> 40) as f32 / (1 << 24) as f32;
+        let leaves = vec![std::array::from_fn(wave)];
+        let octree = Octree { cell: 0.5, size: [1; 3], roots: vec![LEAF], leaves, ..Octree::default() };
+        for i in 0..100 {
+            let p = 0.5 * Vec3::new(wave(3 * i + 8), wave(3 * i + 9), wave(3 * i + 10));
+            let (value, slope) = octree.slope_at(&octree.spot(p));
+            assert_eq!(value, octree.value(p));
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                // Along one axis the function is linear.
+                let (low, high) = (p - axis * p.dot(axis), p + axis * (0.5 - p.dot(axis)));
+                let difference = (octree.value(high) - octree.value(low)) / 0.5;
+                assert!((slope.dot(axis) - difference).abs() < 1e-5, "{p} {slope} {difference}");
+            }
+        }
     }
 }

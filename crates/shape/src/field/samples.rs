@@ -10,6 +10,7 @@ use crate::mesh::TrianglePart;
 use rockfall_math::{Aabb, DVec3, Vec3};
 use rockfall_tree::Tree;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// Points, or balls, in a ball; points of one of the smallest balls have numbers with the same quotient by it.
 pub const SAMPLES_IN_A_BALL: usize = 8;
@@ -32,20 +33,17 @@ pub struct Sample {
     pub cone: f32,
 }
 
+/// x, y and z of the middles of eight balls side by side, and their radii, metres. Where there are fewer the last one is repeated.
+pub type Balls = [[f32; SAMPLES_IN_A_BALL]; 4];
+
 /// The samples of a surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Samples {
     points: Vec<Sample>,
-    /// Balls around eight points each, then around eight of those, up to one around all.
-    balls: Vec<Ball>,
-    /// Where each level of balls starts.
-    starts: Vec<usize>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Ball {
-    center: Vec3,
-    radius: f32,
+    /// The points, eight at a time; then the balls around each eight, and so on, up to one around all.
+    balls: Vec<Balls>,
+    /// Where each level of balls starts, and how many it has.
+    levels: Vec<(usize, usize)>,
 }
 
 impl Samples {
@@ -56,35 +54,42 @@ impl Samples {
 
     /// Bytes.
     pub fn memory(&self) -> usize {
-        size_of::<Sample>() * self.points.capacity() + size_of::<Ball>() * self.balls.capacity()
+        size_of::<Sample>() * self.points.capacity() + size_of::<Balls>() * self.balls.capacity()
     }
 
     pub(super) fn scaled(&self, by: f32) -> Self {
         Self::in_order(self.points.iter().map(|p| Sample { position: by * p.position, ..*p }).collect())
     }
 
-    /// Goes down from the ball around all: `enter` is asked with the middle and the radius of each whether to look into it, `meet` gets the number of each point of the smallest ones.
-    pub fn search(&self, mut enter: impl FnMut(Vec3, f32) -> bool, mut meet: impl FnMut(usize)) {
-        let Some(top) = self.starts.len().checked_sub(1) else { return };
+    /// Goes down from the ball around all. `bounds` says of eight balls how near each may be, `worth` then of one with this bound whether to look into it, nearer its turn; `meet` gets the numbers of the points in one of the smallest
+    /// balls, ascending, and the points side by side.
+    pub fn search(
+        &self,
+        mut bounds: impl FnMut(&Balls) -> [f32; SAMPLES_IN_A_BALL],
+        mut worth: impl FnMut(f32) -> bool,
+        mut meet: impl FnMut(Range<usize>, &Balls),
+    ) {
+        let Some(top) = self.levels.len().checked_sub(1) else { return };
         // Seven wait on each level while the eighth is looked at; eight levels hold more than there may be.
-        let mut stack = [(0_u32, 0_u32); 8 * GROUP];
-        stack[0] = (top as u32, 0);
+        let mut stack = [(0.0_f32, 0_u32, 0_u32); 8 * GROUP];
+        stack[0] = (f32::NEG_INFINITY, top as u32, 0);
         let mut height = 1;
         while height > 0 {
             height -= 1;
-            let (level, index) = (stack[height].0 as usize, stack[height].1 as usize);
-            let ball = &self.balls[self.starts[level] + index];
-            if !enter(ball.center, ball.radius) {
+            let (bound, level, index) = (stack[height].0, stack[height].1 as usize, stack[height].2 as usize);
+            if level < top && !worth(bound) {
                 continue;
             }
-            let first = GROUP * index;
+            let (start, count) = self.levels[level];
+            let (balls, first) = (&self.balls[start + index], GROUP * index);
+            let count = (count - first).min(GROUP);
             if level == 0 {
-                (first..(first + GROUP).min(self.points.len())).for_each(&mut meet);
+                meet(first..first + count, balls);
                 continue;
             }
-            let count = self.starts[level] - self.starts[level - 1];
-            for child in (first..(first + GROUP).min(count)).rev() {
-                stack[height] = (level as u32 - 1, child as u32);
+            let bounds = bounds(balls);
+            for lane in (0..count).rev() {
+                stack[height] = (bounds[lane], level as u32 - 1, (first + lane) as u32);
                 height += 1;
             }
         }
@@ -127,27 +132,31 @@ impl Samples {
 
     /// Puts balls around points that lie along the curve already.
     pub(super) fn in_order(points: Vec<Sample>) -> Self {
-        let mut samples = Samples { points, ..Samples::default() };
-        let points: Vec<Ball> =
-            samples.points.iter().map(|p| Ball { center: p.position, radius: 0.0 }).collect();
-        let mut level: Vec<Ball> = points.chunks(GROUP).map(around).collect();
+        let mut samples = Samples::default();
+        let mut level: Vec<(Vec3, f32)> = points.iter().map(|p| (p.position, 0.0)).collect();
         while !level.is_empty() {
-            samples.starts.push(samples.balls.len());
-            samples.balls.extend_from_slice(&level);
+            samples.levels.push((samples.balls.len(), level.len()));
+            samples.balls.extend(level.chunks(GROUP).map(side_by_side));
             if level.len() == 1 {
                 break;
             }
             level = level.chunks(GROUP).map(around).collect();
         }
-        samples
+        samples.balls.shrink_to_fit();
+        Samples { points, ..samples }
     }
 }
 
+fn side_by_side(balls: &[(Vec3, f32)]) -> Balls {
+    let number = |k: usize, (center, radius): (Vec3, f32)| if k < 3 { center[k] } else { radius };
+    std::array::from_fn(|k| std::array::from_fn(|i| number(k, balls[i.min(balls.len() - 1)])))
+}
+
 /// A ball around balls.
-fn around(balls: &[Ball]) -> Ball {
-    let center = Aabb::from_points(balls.iter().map(|b| b.center)).center();
-    let radius = balls.iter().fold(0.0_f32, |far, b| far.max(center.distance(b.center) + b.radius));
-    Ball { center, radius: radius * (1.0 + 1e-6) }
+fn around(balls: &[(Vec3, f32)]) -> (Vec3, f32) {
+    let center = Aabb::from_points(balls.iter().map(|(center, _)| *center)).center();
+    let radius = balls.iter().fold(0.0_f32, |far, (c, r)| far.max(center.distance(*c) + r));
+    (center, radius * (1.0 + 1e-6))
 }
 
 /// Drops points that are near others, which came before them.

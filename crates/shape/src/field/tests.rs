@@ -4,7 +4,7 @@ use super::*;
 use crate::{Hull, MeshReport};
 use rand_chacha::ChaCha8Rng;
 use rand_core::{Rng, SeedableRng};
-use rockfall_math::{DVec3, Vec2, trig};
+use rockfall_math::{DVec3, Isometry, Mat3, Quat, Vec2, trig};
 use std::f32::consts::TAU;
 
 fn uniform(rng: &mut ChaCha8Rng) -> f32 {
@@ -177,19 +177,51 @@ fn a_search_finds_all_samples_in_a_ball() {
         let mut found = Vec::new();
         let mut balls = 0;
         field.samples().search(
-            |center, radius| {
-                balls += 1;
-                center.distance(p.position) <= 0.01 + radius
+            |[x, y, z, radius]| {
+                balls += x.len();
+                let center = |i: usize| Vec3::new(x[i], y[i], z[i]);
+                std::array::from_fn(|i| center(i).distance(p.position) - radius[i])
             },
-            |i| {
-                if inside(points[i].position) {
-                    found.push(i);
+            |bound| bound <= 0.01,
+            |range, [x, y, z, _]| {
+                for (i, k) in range.enumerate() {
+                    assert_eq!(points[k].position, Vec3::new(x[i], y[i], z[i]));
+                    if inside(points[k].position) {
+                        found.push(k);
+                    }
                 }
             },
         );
         let all: Vec<usize> = (0..points.len()).filter(|&i| inside(points[i].position)).collect();
         assert_eq!(found, all, "{k}");
         assert!(balls < points.len() / 4, "{balls}");
+    }
+}
+
+#[test]
+fn eight_places_have_the_distances_that_each_has_alone() {
+    let field = field(torus(0.035, 0.015, [50, 50]), 1e-3);
+    let wave = |k: u64| (rockfall_math::hash::mix(k) >> 40) as f32 / (1 << 23) as f32 - 1.0;
+    let pose = |k: u64| {
+        let turn = Quat::from_xyzw(wave(k), wave(k + 1), wave(k + 2), 1.1).normalize();
+        let translation = 0.02 * Vec3::new(wave(k + 3), wave(k + 4), wave(k + 5));
+        Isometry { rotation: Mat3::from_quat(turn), translation }
+    };
+    for k in (0..400).map(|k| 100 * k) {
+        // The last ones far out, or nowhere.
+        let size = if k < 39_000 { 0.06 } else { 0.5 };
+        let mut places: Balls =
+            std::array::from_fn(|axis| std::array::from_fn(|i| size * wave(k + 10 * i as u64 + axis as u64)));
+        places[0][7] = [f32::NAN, f32::INFINITY, 1.0][k as usize / 100 % 3];
+        let (own, here) = (pose(k + 80), pose(k + 90));
+        let least = field.least_distances(&places, &own, &here);
+        let below = field.distances_below(&places, &own, &here, 0.1);
+        for i in 0..8 {
+            let p = here.inverse_point(own.point(Vec3::new(places[0][i], places[1][i], places[2][i])));
+            assert_eq!(least[i].to_bits(), field.least_distance(p).to_bits(), "{p}");
+            let bits = |said: Result<f32, f32>| said.map(f32::to_bits).map_err(f32::to_bits);
+            assert_eq!(bits(below[i]), bits(field.distance_below(p, 0.1)), "{p}");
+        }
     }
 }
 

@@ -14,8 +14,8 @@ pub type CornerBlock = [[f32; HULL_LANES]; 3];
 pub type FaceBlock = [[f32; HULL_LANES]; 4];
 
 /// Of sixteen edges the normal and the offset of the face on the left, then of the one on the right, the cosine of the angle between both, and one over
-/// that of half of it: how much further than along both normals something may reach along a direction between them. Idle edges have idle faces.
-pub type EdgeBlock = [[f32; HULL_LANES]; 10];
+/// that of half of it: how much further than along both normals something may reach along a direction between them; then x, y and z from one end to the other. Idle edges have idle faces and no length.
+pub type EdgeBlock = [[f32; HULL_LANES]; 13];
 
 /// What follows from the columns of a [`Hull`], in another layout.
 #[derive(Clone, Default, PartialEq)]
@@ -47,7 +47,11 @@ impl HullBlocks {
         HullBlocks {
             corners: hull.vertices.chunks(HULL_LANES).map(corner_block).collect(),
             faces: faces.chunks(HULL_LANES).map(face_block).collect(),
-            edges: hull.edges.chunks(HULL_LANES).map(|edges| edge_block(&faces, edges)).collect(),
+            edges: hull
+                .edges
+                .chunks(HULL_LANES)
+                .map(|edges| edge_block(&faces, &hull.vertices, edges))
+                .collect(),
             ring_starts: std::iter::once(0).chain(ends).collect(),
             rings: rings.concat(),
         }
@@ -71,19 +75,20 @@ fn face_block(faces: &[(Vec3, f32)]) -> FaceBlock {
 }
 
 /// Up to sixteen edges between some of these faces.
-fn edge_block(faces: &[(Vec3, f32)], edges: &[HullEdge]) -> EdgeBlock {
+fn edge_block(faces: &[(Vec3, f32)], vertices: &[Vec3], edges: &[HullEdge]) -> EdgeBlock {
     let mut block = EdgeBlock::default();
     // An edge that is not there lies in a face that is endlessly far out.
-    let none = [(Vec3::X, f32::INFINITY); 2];
-    let sides = edges.iter().map(|edge| edge.faces.map(|f| faces[f as usize]));
-    for (l, [(left, of_left), (right, of_right)]) in
-        sides.chain(std::iter::repeat(none)).take(HULL_LANES).enumerate()
-    {
+    let none = ([(Vec3::X, f32::INFINITY); 2], Vec3::ZERO);
+    let known = edges.iter().map(|edge| {
+        let [from, to] = edge.vertices.map(|v| vertices[v as usize]);
+        (edge.faces.map(|f| faces[f as usize]), to - from)
+    });
+    for (l, (sides, along)) in known.chain(std::iter::repeat(none)).take(HULL_LANES).enumerate() {
+        let [(left, of_left), (right, of_right)] = sides;
         let numbers = left.to_array().into_iter().chain([of_left]).chain(right.to_array()).chain([of_right]);
         let spread = 2.0 / (left + right).length();
-        for (row, x) in block.iter_mut().zip(numbers.chain([left.dot(right), spread])) {
-            row[l] = x;
-        }
+        let numbers = numbers.chain([left.dot(right), spread]).chain(along.to_array());
+        block.iter_mut().zip(numbers).for_each(|(row, x)| row[l] = x);
     }
     block
 }
