@@ -42,23 +42,47 @@ pub enum Width {
 
 impl Width {
     /// As many lanes as the machine's registers have.
+    #[inline]
     pub fn native() -> Self {
-        /// The machine is asked once.
-        static NATIVE: OnceLock<Width> = OnceLock::new();
-        *NATIVE.get_or_init(|| Self::all().last().unwrap_or(Width::Scalar))
+        Self::most()[3]
     }
 
     /// 1, 4, 8 or 16 lanes, but no more than the machine's registers have; 0 means as many.
+    #[inline]
     pub fn new(lanes: usize) -> Self {
         Self::native().at_most(if lanes == 0 { usize::MAX } else { lanes })
     }
 
-    /// Every width that the machine has, ascending.
-    pub fn all() -> impl Iterator<Item = Self> {
-        std::iter::once(Width::Scalar).chain(Self::wide().into_iter().flatten())
+    /// No more than so many lanes: for kernels that have no more to do side by side.
+    #[inline]
+    pub fn at_most(self, lanes: usize) -> Self {
+        if self.lanes() <= lanes {
+            return self;
+        }
+        Self::most()[usize::from(lanes >= 4) + usize::from(lanes >= 8) + usize::from(lanes >= 16)]
     }
 
-    /// Those of more than one lane, ascending.
+    /// Every width that the machine has, ascending.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let most = Self::most().iter().copied();
+        most.zip([1, 4, 8, 16]).filter(|(width, lanes)| width.lanes() == *lanes).map(|(width, _)| width)
+    }
+
+    /// What comes nearest to 1, 4, 8 and 16 lanes.
+    #[inline]
+    fn most() -> &'static [Self; 4] {
+        /// The machine is asked once.
+        static MOST: OnceLock<[Width; 4]> = OnceLock::new();
+        MOST.get_or_init(|| {
+            let mut most = [Width::Scalar; 4];
+            for (k, width) in Self::wide().into_iter().enumerate() {
+                most[k + 1] = width.unwrap_or(most[k]);
+            }
+            most
+        })
+    }
+
+    /// Those of 4, 8 and 16 lanes.
     #[cfg(target_arch = "x86_64")]
     fn wide() -> [Option<Self>; 3] {
         let level = Level::new();
@@ -69,23 +93,14 @@ impl Width {
         ]
     }
 
-    /// Those of more than one lane, ascending.
+    /// Those of 4, 8 and 16 lanes.
     #[cfg(not(target_arch = "x86_64"))]
-    fn wide() -> [Option<Self>; 1] {
-        [Some(Width::Four(Level::new()))]
-    }
-
-    /// No more than so many lanes: for kernels that have no more to do side by side.
-    #[inline]
-    pub fn at_most(self, lanes: usize) -> Self {
-        if self.lanes() <= lanes {
-            return self;
-        }
-        let fits = |width: &Self| width.lanes() <= lanes;
-        Self::wide().into_iter().flatten().rev().find(fits).unwrap_or(Width::Scalar)
+    fn wide() -> [Option<Self>; 3] {
+        [Some(Width::Four(Level::new())), None, None]
     }
 
     /// Number of lanes.
+    #[inline]
     pub fn lanes(self) -> usize {
         match self {
             Width::Scalar => 1,
