@@ -16,6 +16,7 @@
 //! where the surfaces face each other: one of a floor beside what stands on it looks past the edge of that, and what has come through more than half of a thin wall finds the way out on the wrong side, and must not be pushed there.
 
 mod cluster;
+mod deep;
 mod edges;
 mod exact;
 mod few;

@@ -236,6 +236,27 @@ fn linked_tori_touch_where_their_tubes_do() {
 }
 
 /// Of two circles of equal radius, one around z at the origin, one around y at (`apart`, 0, 0): by brute force.
+/// Promise: tubes that cross are parted to the side on which their middles are, as long as they have one, also where each has come through more than half of the other.
+#[test]
+fn tubes_deep_in_each_other_are_parted_to_one_side() {
+    let ring = field(torus(0.035, 0.015));
+    let mut random = Random(9);
+    for depth in [0.004, 0.008, 0.012, 0.016, 0.02, 0.024, 0.027] {
+        // The tube of A runs along y where that of B runs along x, higher by what is left of both.
+        let upright = rotation::from_rotation_vector(Vec3::X * (0.25 * TAU));
+        let turn = rotation::from_rotation_vector(Vec3::Y * random.between(0.0, TAU));
+        let b_in_a = Isometry {
+            rotation: Mat3::from_quat(rotation::compose(turn, upright)),
+            translation: Vec3::new(0.035, 0.0, 0.03 - depth + 0.035),
+        };
+        let (manifolds, _) = contacts(&ring, &ring, &b_in_a, 1e-3);
+        let touching = manifolds.iter().filter(|m| m.deepest() < -0.5 * depth);
+        assert!(touching.clone().all(|m| m.normal.z > 0.98), "{depth}: {manifolds:#?}");
+        let (found, _) = deepest(&manifolds).expect("they overlap");
+        assert!((found + depth).abs() < 2.0 * ERROR + 0.05 * depth, "{depth}: {found}");
+    }
+}
+
 fn distance_of_rings(radius: f32, apart: f32) -> f32 {
     let point = |k: u32| {
         let (sin, cos) = trig::sin_cos(TAU * k as f32 / 2000.0);

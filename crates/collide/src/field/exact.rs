@@ -7,6 +7,7 @@
 //! A corner counts where the way to the other body lies within the normals of the sides around it, two edges where their common normal lies within those of both: there, nothing beside them is nearer.
 
 use super::SLACK;
+use super::deep::{self, Sunk};
 use super::edges::{Edge, may_cross};
 use super::gather::{Contact, FACING, NEARLY, WORTH, within};
 use super::side::{Near, Side};
@@ -64,11 +65,11 @@ impl Two<'_, '_> {
     /// Appends the contacts. Returns how far apart the two are at least, as far as their samples know.
     pub(super) fn contacts(&self, out: &mut Vec<Contact>) -> f32 {
         let mut edges = [Vec::new(), Vec::new()];
-        let mut hidden = Vec::new();
+        let (mut hidden, mut sunk) = (Vec::new(), Vec::new());
         let mut least = f32::INFINITY;
         for (k, edges) in edges.iter_mut().enumerate() {
             let mut features = Vec::new();
-            least = least.min(self.near(k, &mut features, out));
+            least = least.min(self.near(k, &mut features, out, &mut sunk));
             for feature in features {
                 match feature {
                     Feature::Corner(vertex) => self.corner(k, vertex, out, &mut hidden),
@@ -82,6 +83,7 @@ impl Two<'_, '_> {
             let deep = hidden.into_iter().filter_map(|corner| self.hidden(corner));
             out.extend(deep.reduce(|one, two| if two.distance < one.distance { two } else { one }));
         }
+        deep::part(self, &sunk, out);
         least
     }
 
@@ -136,7 +138,13 @@ impl Two<'_, '_> {
 
     /// Collects the features of a body that its samples know to be near the other one, ascending. Of what is further away, or deep in it, the nearest sample of each small ball stands for the others, since bodies that come fast see
     /// hundreds; further away it is enough to meet it as exactly as the field says. Returns how far all others are at least.
-    fn near(&self, k: usize, features: &mut Vec<Feature>, out: &mut Vec<Contact>) -> f32 {
+    fn near(
+        &self,
+        k: usize,
+        features: &mut Vec<Feature>,
+        out: &mut Vec<Contact>,
+        sunk: &mut Vec<Sunk>,
+    ) -> f32 {
         let (own, field, other, there) = self.of(k);
         let mut least = f32::INFINITY;
         let mut near: Vec<(usize, f32)> = Vec::new();
@@ -160,6 +168,8 @@ impl Two<'_, '_> {
             },
         );
         least = least.min(beyond);
+        let is_in = near.iter().filter(|(_, distance)| *distance < 0.0);
+        sunk.extend(is_in.map(|&(number, distance)| Sunk { k, number, distance }));
         for ball in near.chunk_by(|(i, _), (j, _)| i / SAMPLES_IN_A_BALL == j / SAMPLES_IN_A_BALL) {
             let touching = |&&(_, distance): &&(usize, f32)| distance <= NEAR * self.spacing;
             ball.iter().filter(touching).for_each(|&(i, _)| features.extend(field.features().near(i)));
@@ -176,6 +186,10 @@ impl Two<'_, '_> {
         least
     }
 
+    pub(super) fn sample_name(&self, i: usize) -> u32 {
+        i as u32 & OF_ONE | OF_SAMPLES
+    }
+
     fn sample(&self, k: usize, i: usize) -> Option<Contact> {
         let (own, field, other, _) = self.of(k);
         let sample = &field.samples().points()[i];
@@ -186,7 +200,7 @@ impl Two<'_, '_> {
             false => (other.exact(p, about.distance)?, FACING),
         };
         let facing = own.place.vector(sample.normal).dot(-there.normal);
-        let name = i as u32 & OF_ONE | OF_SAMPLES;
+        let name = self.sample_name(i);
         within(facing, sample.cone, beside).then(|| Contact::new(k == 1, p, there, name))
     }
 
