@@ -22,7 +22,7 @@ const PRESSED: f32 = 0.5;
 /// Normals whose sum is a smaller share of their number say nothing: a small body is all in a large one.
 const SHARE: f32 = 0.05;
 
-/// Looks along the way out of one point; each is as long as the surface is surely far.
+/// Looks along the way out of one point, each as far ahead as the field says that its surface is.
 const LOOKS: usize = 32;
 
 /// A sample that is in the other body.
