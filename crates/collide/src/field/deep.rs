@@ -10,7 +10,7 @@ use super::side::{Near, Side};
 use rockfall_math::Vec3;
 use std::collections::BTreeMap;
 
-/// Overlaps deeper than this share of the smaller inner radius are parted as a whole.
+/// Overlaps deeper than this share of the smaller inner radius are parted as a whole, if that is more than the spacing of the samples: of thinner walls too few are in each other to be summed.
 const DEEP: f32 = 0.5;
 
 /// Width of the cells that an overlap is looked at by, in spacings; and how far around its samples contacts are of it.
@@ -46,7 +46,7 @@ struct Point {
 pub(super) fn part(pair: &Two, sunk: &[Sunk], out: &mut Vec<Contact>) {
     let thin = pair.fields.iter().fold(f32::INFINITY, |thin, field| thin.min(field.inner_ball().1));
     let is_deep = |s: &Sunk| s.distance < -DEEP * thin;
-    if !sunk.iter().any(is_deep) {
+    if DEEP * thin < spacing(pair) || !sunk.iter().any(is_deep) {
         return;
     }
     let points = regions(pair, sunk);
@@ -88,16 +88,21 @@ pub(super) fn part(pair: &Two, sunk: &[Sunk], out: &mut Vec<Contact>) {
     }
 }
 
+/// The larger one of the two, metres.
+fn spacing(pair: &Two) -> f32 {
+    pair.fields.iter().fold(0.0, |most, field| most.max(field.settings().spacing))
+}
+
 /// The samples in A's frame, those near each other with the number of the same region: what is in cells of a grid beside each other.
 fn regions(pair: &Two, sunk: &[Sunk]) -> Vec<Point> {
-    let spacing = pair.fields.iter().fold(0.0_f32, |most, field| most.max(field.settings().spacing));
+    let width = REGION * spacing(pair);
     let mut points = Vec::new();
     let mut cells: BTreeMap<[i32; 3], Vec<usize>> = BTreeMap::new();
     for (i, s) in sunk.iter().enumerate() {
         let (place, sample) = (&pair.sides[s.k].place, &pair.fields[s.k].samples().points()[s.number]);
         let at = place.point(sample.position);
         // A cast saturates, so that what is out of range is in the last cell.
-        let cell = (at / (REGION * spacing)).floor().to_array().map(|x| x as i32);
+        let cell = (at / width).floor().to_array().map(|x| x as i32);
         cells.entry(cell).or_default().push(i);
         points.push(Point { at, normal: place.vector(sample.normal), region: 0 });
     }
