@@ -6,8 +6,9 @@
 
 use super::exact::Two;
 use super::gather::Contact;
-use super::side::{Near, Side};
-use rockfall_math::Vec3;
+use super::side::Near;
+use rockfall_math::{Isometry, Vec3};
+use rockfall_shape::Field;
 use std::collections::BTreeMap;
 
 /// Overlaps deeper than this share of the smaller inner radius are parted as a whole, if that is more than the spacing of the samples: of thinner walls too few are in each other to be summed.
@@ -19,7 +20,7 @@ const REGION: f32 = 1.5;
 /// A point is pressed where its surface looks against its own way out by this cosine at least.
 const PRESSED: f32 = 0.5;
 
-/// Normals whose sum is a smaller share of their number say nothing: a small body is all in a large one.
+/// Normals whose sum is a smaller share of the area that they stand for say nothing: a small body is all in a large one.
 const SHARE: f32 = 0.05;
 
 /// Looks along the way out of one point, each as far ahead as the field says that its surface is.
@@ -56,11 +57,11 @@ pub(super) fn part(pair: &Two, sunk: &[Sunk], out: &mut Vec<Contact>) {
     deep.dedup();
     for region in deep {
         let inside = || sunk.iter().zip(&points).filter(|(_, point)| point.region == region);
-        let (sum, count) = inside().fold((Vec3::ZERO, 0.0), |(sum, count), (s, point)| {
-            let area = pair.fields[s.k].settings().spacing.powi(2);
-            (sum + if s.k == 0 { -area } else { area } * point.normal, count + area)
+        let (sum, area) = inside().fold((Vec3::ZERO, 0.0), |(sum, area), (s, point)| {
+            let own = pair.fields[s.k].settings().spacing.powi(2);
+            (sum + if s.k == 0 { -own } else { own } * point.normal, area + own)
         });
-        if sum.length() < SHARE * count {
+        if sum.length() < SHARE * area {
             continue;
         }
         // A goes along it, B against it.
@@ -71,7 +72,8 @@ pub(super) fn part(pair: &Two, sunk: &[Sunk], out: &mut Vec<Contact>) {
                 if point.normal.dot(own_way) > -PRESSED {
                     return None;
                 }
-                let length = way_out(pair.sides[1 - s.k], point.at, own_way)?;
+                let other = 1 - s.k;
+                let length = way_out(pair.fields[other], &pair.sides[other].place, point.at, own_way);
                 let there = Near { distance: -length, normal: own_way };
                 Some(Contact::new(s.k == 1, point.at, there, pair.sample_name(s.number)))
             })
@@ -120,13 +122,12 @@ fn regions(pair: &Two, sunk: &[Sunk]) -> Vec<Point> {
     points
 }
 
-/// How far a point in a field has to go along a direction (unit) until it is out, metres.
-fn way_out(side: &Side, p: Vec3, direction: Vec3) -> Option<f32> {
-    let field = side.field()?;
+/// How far a point in a field at some place has to go along a direction (unit) until it is out, metres.
+fn way_out(field: &Field, place: &Isometry, p: Vec3, direction: Vec3) -> f32 {
     let nearly = 0.5 * field.settings().error;
     let mut length = 0.0;
     for _ in 0..LOOKS {
-        let distance = field.distance(side.place.inverse_point(p + length * direction));
+        let distance = field.distance(place.inverse_point(p + length * direction));
         if distance >= 0.0 {
             break;
         }
@@ -135,5 +136,5 @@ fn way_out(side: &Side, p: Vec3, direction: Vec3) -> Option<f32> {
             break;
         }
     }
-    Some(length)
+    length
 }
