@@ -235,7 +235,6 @@ fn linked_tori_touch_where_their_tubes_do() {
     }
 }
 
-/// Of two circles of equal radius, one around z at the origin, one around y at (`apart`, 0, 0): by brute force.
 /// Promise: tubes that cross are parted to the side on which their middles are, as long as they have one, also where each has come through more than half of the other.
 #[test]
 fn tubes_deep_in_each_other_are_parted_to_one_side() {
@@ -257,6 +256,57 @@ fn tubes_deep_in_each_other_are_parted_to_one_side() {
     }
 }
 
+/// Promise: rings that lie on each other, which overlap in more than one place, have a contact that touches in each of them, also where another place is much deeper: what is held on one side alone falls to the other, and rocks.
+#[test]
+fn rings_on_each_other_are_held_in_every_place() {
+    let (ring, tube) = (0.035, 0.015);
+    let shape = field(torus(ring, tube));
+    let distance = |p: Vec3| Vec2::new(p.truncate().length() - ring, p.z).length() - tube;
+    let circle = |k: usize, of: usize| trig::sin_cos(TAU * k as f32 / of as f32);
+    let of = [96, 48];
+    let surface: Vec<Vec3> = (0..of[0] * of[1])
+        .map(|i| {
+            let ((sin_u, cos_u), (sin_v, cos_v)) = (circle(i / of[1], of[0]), circle(i % of[1], of[1]));
+            let r = ring + tube * cos_v;
+            Vec3::new(r * cos_u, r * sin_u, tube * sin_v)
+        })
+        .collect();
+    let mut random = Random(17);
+    let (mut places, mut bare) = (0, Vec::new());
+    for _ in 0..400 {
+        let turn = |axis: Vec3, angle: f32| Mat3::from_quat(rotation::from_rotation_vector(angle * axis));
+        let spins = [(); 2].map(|()| turn(Vec3::Z, random.between(0.0, TAU)));
+        let tilt = turn(Vec3::X, random.between(0.0, 0.2));
+        let aside = turn(Vec3::Z, random.between(0.0, TAU)) * Vec3::X * random.between(0.0, 0.045);
+        let b_in_a = Isometry {
+            rotation: spins[0] * tilt * spins[1],
+            translation: aside + Vec3::Z * random.between(0.018, 0.03),
+        };
+        let depths: Vec<f32> = surface.iter().map(|&p| distance(b_in_a.inverse_point(p))).collect();
+        // Where the exact surface of A is deeper in B than all around.
+        let around = |i: usize| {
+            let near = |i: usize, n: usize| [n - 1, 0, 1].map(move |step| (i + step) % n);
+            let rows = near(i / of[1], of[0]);
+            rows.into_iter().flat_map(move |u| near(i % of[1], of[1]).map(move |v| u * of[1] + v))
+        };
+        let is_place =
+            |&i: &usize| (-4e-3..-1e-3).contains(&depths[i]) && around(i).all(|j| depths[i] <= depths[j]);
+        let (manifolds, _) = contacts(&shape, &shape, &b_in_a, 0.008);
+        let touching: Vec<Vec3> = manifolds
+            .iter()
+            .flat_map(|m| m.points().iter().filter(|p| p.distance < 0.0).map(|p| p.position))
+            .collect();
+        for i in (0..surface.len()).filter(is_place) {
+            places += 1;
+            if touching.iter().all(|p| p.distance(surface[i]) > 0.02) {
+                bare.push((b_in_a, surface[i], depths[i]));
+            }
+        }
+    }
+    assert!(places > 130 && 50 * bare.len() < places, "{} of {places} places: {bare:?}", bare.len());
+}
+
+/// Distance of two circles of equal radius, one around z at the origin, one around y at (`apart`, 0, 0): metres, by brute force.
 fn distance_of_rings(radius: f32, apart: f32) -> f32 {
     let point = |k: u32| {
         let (sin, cos) = trig::sin_cos(TAU * k as f32 / 2000.0);

@@ -84,11 +84,11 @@ fn choose(contacts: &[Contact], margin: f32, spacing: f32, bearing: f32, out: &m
         }
     }
     let first = out.len();
-    out.extend(clusters.iter().map(|cluster| manifold(cluster, margin, bearing)));
+    out.extend(clusters.iter().map(|cluster| manifold(cluster, margin, spacing, bearing)));
     keep_few(out, first);
 }
 
-fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
+fn manifold(cluster: &[&Contact], margin: f32, spacing: f32, bearing: f32) -> Manifold {
     let deepest = cluster.iter().fold(f32::INFINITY, |least, c| least.min(c.distance));
     // What is deep says most of the direction, and what only just came near nothing at all.
     let scale = (margin - deepest).max(f32::MIN_POSITIVE);
@@ -102,10 +102,18 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     let span = cluster.iter().fold(0.0_f32, |far, c| far.max(c.position.distance(first)));
     let point = |c: &&Contact| ContactPoint { position: c.position, distance: c.distance, feature: c.name };
     let is_flat = |c: &Contact| c.normal.dot(normal) >= FLAT;
-    // What overlaps on flat ground bears as well: were a ring that is pressed into a floor held by the deepest part of its tube alone, it would swing from one side to the other.
-    let bears = |c: &&&Contact| c.distance - deepest <= bearing * span || (c.distance <= 0.0 && is_flat(c));
+    // On flat ground all that overlaps bears: were a ring that is pressed into a floor held by the deepest part of its tube alone, it would swing from one side to the other.
+    let on_flat_ground = cluster.iter().filter(|c| c.distance <= 0.0).all(|c| is_flat(c));
+    // Elsewhere the deepest in each place does. Two rings on each other touch on two sides, mostly one of them deeper: were they held there alone, they would fall on the other side, until that is the deeper one, and rock for ever.
+    let leads = |c: &Contact| {
+        let is_beside = |other: &&&Contact| other.position.distance(c.position) <= PLACE * spacing;
+        cluster.iter().filter(is_beside).all(|other| c.distance - other.distance <= bearing * span)
+    };
+    let bears = |c: &&&Contact| {
+        c.distance - deepest <= bearing * span || c.distance <= 0.0 && (on_flat_ground || leads(c))
+    };
     let loaded: Vec<ContactPoint> = cluster.iter().filter(bears).map(point).collect();
-    let mut manifold = ends(reduce_within(normal, &loaded, start(normal), EQUAL * span));
+    let mut manifold = ends(reduce_within(normal, &loaded, start(normal), EQUAL * span), EQUAL * span);
     // Room that is left goes to those that will bear when the body tips: on flat ground, where they look exactly the same way.
     let mut open: Vec<ContactPoint> = cluster.iter().filter(|c| !bears(c) && is_flat(c)).map(point).collect();
     while manifold.count < 4 && !open.is_empty() {
@@ -120,8 +128,8 @@ fn manifold(cluster: &[&Contact], margin: f32, bearing: f32) -> Manifold {
     manifold
 }
 
-/// Of points on a line the two at its ends: they carry as much as all, and leave room.
-fn ends(manifold: Manifold) -> Manifold {
+/// Of points on a line the two at its ends, which carry as much as all and leave room; and the deepest, if that is deeper than both by more than `tie` metres.
+fn ends(manifold: Manifold, tie: f32) -> Manifold {
     let points = manifold.points();
     let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (points[j], points[i])));
     let length = |&(p, q): &(ContactPoint, ContactPoint)| p.position.distance_squared(q.position);
@@ -131,7 +139,64 @@ fn ends(manifold: Manifold) -> Manifold {
     if points.len() < 3 || points.iter().any(|p| beside(p) > ON_LINE * along.length_squared()) {
         return manifold;
     }
+    let deepest = points[first_max(points, |p| -p.distance)];
     let mut line = Manifold { count: 2, ..manifold };
     (line.points[0], line.points[1]) = (from, to);
+    if deepest.distance < from.distance.min(to.distance) - tie {
+        line.points[2] = deepest;
+        line.count = 3;
+    }
     line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::side::Near;
+    use super::*;
+    use rockfall_math::trig;
+
+    const SPACING: f32 = 4e-3;
+
+    /// Six contacts in a place of two tubes: the deepest in the middle, normals that lean by an angle (radians) and bend away from it.
+    fn place(x: f32, depth: f32, lean: f32, names: u32) -> impl Iterator<Item = Contact> {
+        (0..6).map(move |k| {
+            let along = 2e-3 * (k as f32 - 2.5);
+            let (sin, cos) = trig::sin_cos(lean + 0.02 * (k as f32 - 2.5));
+            let near = Near { distance: -depth + 40.0 * along * along, normal: Vec3::new(sin, 0.0, cos) };
+            Contact::new(true, Vec3::new(x + along, 1e-3 * (k % 2) as f32, 0.0), near, names + k)
+        })
+    }
+
+    fn chosen(contacts: &[Contact]) -> Vec<Manifold> {
+        let mut out = Vec::new();
+        manifolds(contacts, 8e-3, SPACING, BEARING, &mut Cache::default(), |_, _| (), &mut out);
+        out
+    }
+
+    #[test]
+    fn a_place_that_is_less_deep_than_another_one_has_points_of_its_own() {
+        for shallow in [2.6e-3, 1.8e-3, 0.9e-3, 0.3e-3] {
+            let both: Vec<Contact> =
+                place(0.0, 2.7e-3, 0.04, 0).chain(place(0.06, shallow, -0.04, 6)).collect();
+            let found = chosen(&both);
+            let deepest_at = |x: f32| {
+                let points = found.iter().flat_map(|m| m.points());
+                let here = points.filter(|p| (p.position.x - x).abs() < PLACE * SPACING);
+                here.fold(f32::INFINITY, |least, p| least.min(p.distance))
+            };
+            assert!(deepest_at(0.0) < -2.6e-3, "{found:?}");
+            assert!(deepest_at(0.06) < -0.5 * shallow, "{shallow}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn what_bends_away_from_the_deepest_of_its_place_bears_no_load() {
+        // Of a tube on a floor only the line of contact is held, although others of its points lie in the floor.
+        let one: Vec<Contact> = place(0.0, 1e-3, 0.0, 0).collect();
+        let held = |found: &[Manifold]| -> Vec<f32> {
+            found.iter().flat_map(|m| m.points().iter().map(|p| p.position.x)).collect()
+        };
+        let found = held(&chosen(&one));
+        assert!(found.iter().all(|x| x.abs() < 4e-3), "{found:?}");
+    }
 }

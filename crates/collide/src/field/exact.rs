@@ -79,7 +79,7 @@ impl Two<'_, '_> {
         }
         self.crossings(&edges, out);
         // Where two bodies overlap and nothing else touches there is a contact, whichever way the surfaces look: of several, the deepest.
-        if out.is_empty() {
+        if out.iter().all(|contact| contact.distance > 0.0) {
             let deep = hidden.into_iter().filter_map(|corner| self.hidden(corner));
             out.extend(deep.reduce(|one, two| if two.distance < one.distance { two } else { one }));
         }
