@@ -288,7 +288,7 @@ impl Worth {
 }
 
 /// Twice the area of four points, seen along `normal`: of the three ways to go around them, the one that does not cross itself.
-fn area(normal: Vec3, [a, b, c, d]: [Vec3; 4]) -> f32 {
+pub(crate) fn area(normal: Vec3, [a, b, c, d]: [Vec3; 4]) -> f32 {
     let diagonals = |p: Vec3, q: Vec3| p.cross(q).dot(normal).abs();
     diagonals(c - a, d - b).max(diagonals(b - a, d - c)).max(diagonals(d - a, c - b))
 }

@@ -219,15 +219,10 @@ fn heaps_of_needles_and_plates_gain_no_energy() {
     }
 }
 
-/// What is asked of heaps: at rest after ten seconds.
-#[test]
-#[ignore = "missed at 60 Hz: plates go on at 42 to 97 mm/s, a few rods, needles and blades of a heap at up to 40"]
-fn heaps_of_needles_and_plates_come_to_rest() {
+/// Heaps of which somebody goes faster than 5 mm/s after ten seconds.
+fn restless(names: &[&'static str]) -> Vec<(&'static str, u64)> {
     let mut restless = Vec::new();
-    for (name, shape) in sharp() {
-        if !["rod of a hull", "plate of a hull", "needle", "blade"].contains(&name) {
-            continue;
-        }
+    for (name, shape) in sharp().into_iter().filter(|(name, _)| names.contains(name)) {
         for seed in 1..=3 {
             let flat = ["plate of a hull", "blade"].contains(&name);
             let late = heap(&shape, flat, seed, 60.0, 12).late;
@@ -237,5 +232,17 @@ fn heaps_of_needles_and_plates_come_to_rest() {
             }
         }
     }
-    assert!(restless.is_empty(), "{restless:?}");
+    restless
+}
+
+/// Promise: twenty rods that fall on each other are at rest after ten seconds.
+#[test]
+fn heaps_of_rods_come_to_rest() {
+    assert_eq!(restless(&["rod of a hull"]), []);
+}
+
+#[test]
+#[ignore = "missed at 60 Hz: plates go on at 8 to 78 mm/s, in one heap of three a needle at 10 and a blade at 40"]
+fn heaps_of_needles_and_plates_come_to_rest() {
+    assert_eq!(restless(&["plate of a hull", "needle", "blade"]), []);
 }
