@@ -177,3 +177,40 @@ impl Kernel for WaysOut<'_> {
         ways
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::poly::BoxPoly;
+    use rockfall_math::{Mat3, rotation};
+
+    #[test]
+    fn corners_of_a_tilted_box_are_as_deep_or_as_open_as_they_lie() {
+        let (ground, brick) = (BoxPoly::new(Vec3::splat(1.0)), BoxPoly::new(Vec3::new(0.5, 0.4, 0.2)));
+        let tilt = Mat3::from_quat(rotation::from_rotation_vector(0.1 * Vec3::Y));
+        // Its lower corners are at ∓0.5 sin 0.1 about a height, the lower ones at +x; the upper ones 0.4 higher.
+        for (height, open) in [(0.0, 0.06), (0.0, 0.04), (-0.1, 0.06), (0.1, 0.06)] {
+            let b_in_a = Isometry { rotation: tilt, translation: Vec3::new(0.0, 0.0, 1.2 + height) };
+            let found = corners(&ground.poly(), &brick.poly(), &b_in_a, Vec3::Z, open);
+            let mut wanted: Vec<f32> = crate::poly::box_corners(Vec3::new(0.5, 0.4, 0.2))
+                .into_iter()
+                .map(|p| b_in_a.point(p).z - 1.0)
+                .filter(|distance| *distance <= open)
+                .collect();
+            wanted.sort_by(f32::total_cmp);
+            let mut distances: Vec<f32> = found.iter().map(|p| p.distance).collect();
+            distances.sort_by(f32::total_cmp);
+            assert_eq!(distances.len(), wanted.len(), "{height} {open}: {found:?}");
+            assert!(
+                distances.iter().zip(&wanted).all(|(d, w)| (d - w).abs() < 1e-6),
+                "{distances:?} {wanted:?}"
+            );
+            // Half-way between the corner and the top of the ground.
+            assert!(found.iter().all(|p| (p.position.z - 1.0 - 0.5 * p.distance).abs() < 1e-6), "{found:?}");
+        }
+        // Beside the ground nothing is over it.
+        let aside = Isometry { rotation: tilt, translation: Vec3::new(1.2, 0.0, 1.2) };
+        let found = corners(&ground.poly(), &brick.poly(), &aside, Vec3::Z, 0.06);
+        assert!(found.iter().all(|p| p.position.x < 1.0) && found.len() == 2, "{found:?}");
+    }
+}
