@@ -254,7 +254,7 @@ fn ten_bowls_nest() {
 }
 
 #[test]
-#[ignore = "a minute and a half"]
+#[ignore = "a minute and a half; missed: one stack of twenty sinks in by 3.07 mm where 3 are allowed, and rests so"]
 fn two_hundred_bowls_nest() {
     assert_nest(20);
 }
