@@ -19,7 +19,7 @@ const SAME: f32 = 0.99;
 /// Contacts no further apart than so many spacings of the samples are in one place.
 const PLACE: f32 = 3.0;
 
-/// Points of fields that are open by more than this share of the manifold's span beyond the deepest bear no load, and never take the place of one that does: next to a line of contact, on a surface that bends away, they would span the larger area.
+/// Points of fields that are open by more than this share of the manifold's span beyond the deepest of their place bear no load but on flat ground, and never take the place of one that does: next to a line of contact, on a surface that bends away, they would span the larger area.
 pub(super) const BEARING: f32 = 1.5e-3;
 
 /// Cosine of the largest angle between the normal of a manifold and that of a point of flat ground: 2°.

@@ -94,7 +94,7 @@ fn span(manifold: &Manifold) -> f32 {
 /// Corners of each that are in the other one, or less than `open` metres from it, half-way on their way out along `normal`, which looks from A to B.
 fn corners(a: &Poly, b: &Poly, b_in_a: &Isometry, normal: Vec3, open: f32) -> SmallVec<[ContactPoint; 24]> {
     let down = -b_in_a.inverse_vector(normal);
-    // No corner of B is in A that is above its highest, and none of A in B that is below its lowest.
+    // No corner of B is in A that is above its highest, and none of A in B that is below its lowest; by less than `open` they may be over it.
     let (top, bottom) = (a.reach(normal), normal.dot(b_in_a.translation) - b.reach(down));
     let placed = |(k, &v): (usize, &Vec3)| (k, b_in_a.point(v));
     let of_b: Corners =
